@@ -1,0 +1,53 @@
+#ifndef MP_ANALYSIS_H
+#define MP_ANALYSIS_H
+
+#include "core/decoder.h"
+#include "core/report.h"
+
+/* The coordinator: bytes of one file in, report out. */
+
+enum mp_format_wish { MP_WISH_AUTO, MP_WISH_STL, MP_WISH_OBJ, MP_WISH_DRACO };
+enum mp_density_kind { MP_DENSITY_NONE, MP_DENSITY_GIVEN, MP_DENSITY_FROM_MASS };
+
+struct mp_request {
+	enum mp_format_wish format;
+	uint8_t key[16]; /* secret random bytes, fresh for every request: keys the hash tables */
+	struct mp_limits limits;
+	bool flip;
+	enum mp_density_kind density_kind;
+	double density; /* GIVEN: [M/L^3] times density_divisor, FROM_MASS: the mass [M] */
+	/*
+	 * GIVEN: the density is density/density_divisor, kept apart so that units cost one
+	 * rounding: mass = density*volume/divisor, inertia = density*(volume*...)/divisor (2700
+	 * kg/m3 of a part in mm: 2700 and 1e9).  0 counts as 1.  FROM_MASS: not used.
+	 */
+	double density_divisor;
+	bool has_about, has_axis;
+	double about[3];
+	double axis_origin[3], axis_direction[3]; /* direction: any length > 0 */
+	uint32_t bodies, defects;                 /* how many to list (defects: of each kind) */
+};
+
+struct mp_analysis;
+
+/* NULL with ${err} filled. ${request} is copied. */
+struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_error *err);
+
+/* Take the next ${len} bytes of the file.  -1: only mp_analysis_free() is legal afterwards. */
+int mp_analysis_push(struct mp_analysis *, const uint8_t *bytes, size_t len, struct mp_error *err);
+
+/* The file is over: end decoding.  Call before mp_analysis_report(). */
+int mp_analysis_end(struct mp_analysis *, struct mp_error *err);
+
+/*
+ * What the mesh is: fills ${out}, which then owns its arrays until mp_report_free().
+ * ${request} may differ from the one at the beginning in everything but format, key and limits
+ * (options may follow the file in a form).
+ */
+int mp_analysis_report(struct mp_analysis *, const struct mp_request *request,
+		       struct mp_report *out, struct mp_error *err);
+
+void mp_analysis_free(struct mp_analysis *); /* takes NULL */
+void mp_report_free(struct mp_report *);     /* legal on a zeroed struct */
+
+#endif

@@ -1,0 +1,28 @@
+#ifndef MP_ANALYSIS_STATE_H
+#define MP_ANALYSIS_STATE_H
+
+#include "core/analysis.h"
+#include "core/format.h"
+#include "core/moments.h"
+#include "core/parts.h"
+
+/* The inside of an analysis: analysis.c fills it while bytes come, report.c reads it at the end. */
+struct mp_analysis {
+	struct mp_request request;
+	const struct mp_decoder_ops *decoder; /* NULL until the format is known */
+	void *state;                          /* the decoder's */
+	struct mp_sink sink;
+	struct mp_notes notes;
+
+	uint8_t head[MP_SNIFF_BYTES]; /* the first bytes, until the format is known */
+	size_t head_len;
+
+	struct mp_moments moments; /* the sums, as in the file (not flipped) */
+	struct mp_vertices *vertices;
+	uint32_t (*tri)[3];
+	size_t triangles, room;
+	struct mp_parts parts;
+	bool ended; /* mp_analysis_end() returned 0, and no report took the mesh yet */
+};
+
+#endif

@@ -1,0 +1,38 @@
+#ifndef MP_MASS_H
+#define MP_MASS_H
+
+#include "core/moments.h"
+#include "core/report.h"
+
+/*
+ * From the geometry of a solid (density 1, long double) to masses and inertia tensors in doubles.
+ * Functions return false, with the output all 0, where a double cannot hold the result.
+ */
+struct mp_density {
+	bool asked;        /* else value is 1 and masses are volumes */
+	bool defined;      /* false: a weighed mass over a volume that is 0 or undefined */
+	long double value; /* [M/L^3] */
+};
+
+/* x as a double: false if too large, or not 0 and below the normal range. */
+bool mp_in_range(long double x, double *out);
+
+/*
+ * Fill ${out} from ${solid}.  ${closed}: its volume means something (closed, or cracks only).
+ * false: some field that is defined by the mesh is not for want of range.
+ */
+bool mp_mass_fill(struct mp_mass *out, const struct mp_solid *solid, bool closed,
+		  const struct mp_density *density);
+
+/*
+ * Tensor of a mass of ${mass} about the point from which the centroid lies at ${r} [L]:
+ * mass*(tr(E) 1 - E), E = cov + r r^T; [0][1] = -integral of density*x*y.
+ */
+bool mp_mass_inertia(const struct mp_solid *solid, long double mass, const long double r[3],
+		     double out[3][3]);
+
+/* Moment about the line through ${origin} along ${direction} (any length > 0). */
+bool mp_mass_axis(const struct mp_solid *solid, long double mass, const double origin[3],
+		  const double direction[3], struct mp_axis_moment *out);
+
+#endif

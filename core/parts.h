@@ -1,0 +1,35 @@
+#ifndef MP_PARTS_H
+#define MP_PARTS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/error.h"
+
+/* The named parts of a file (see struct mp_sink): ranges of triangles, in file order. */
+struct mp_part {
+	uint64_t first; /* its first triangle; it ends where the next one begins */
+	size_t name;    /* offset in the pool */
+	size_t len;
+};
+
+struct mp_parts { /* all 0 is empty */
+	struct mp_part *part;
+	size_t count, room;
+	char *pool;
+	size_t used, pool_room;
+};
+
+/* As mp_sink.part: triangles from ${first} on; the same ${first} again replaces the former. */
+int mp_parts_add(struct mp_parts *, uint64_t first, const char *name, size_t len,
+		 struct mp_error *err);
+
+/*
+ * The name of the part in which the triangles ${first} to ${last} lie, ${*len} bytes, or NULL
+ * where they lie in no part, in several or in one without a name.  Points into the pool.
+ */
+const char *mp_parts_name(const struct mp_parts *, uint64_t first, uint64_t last, size_t *len);
+
+void mp_parts_free(struct mp_parts *);
+
+#endif

@@ -1,0 +1,22 @@
+#ifndef MP_PREDICATES_H
+#define MP_PREDICATES_H
+
+/*
+ * Signs that are never wrong: a floating-point filter first, exact arithmetic where it cannot
+ * decide (Shewchuk 1997, doi:10.1007/PL00009321; GMP rationals as the last resort).  Arguments are
+ * finite.  Cannot fail by rounding, overflow or underflow: any finite doubles.
+ */
+
+/* Sign (-1, 0, 1) of twice the signed area of a, b, c in the plane: 1 = counter-clockwise. */
+int mp_orient2d(const double a[2], const double b[2], const double c[2]);
+
+/*
+ * Sign of det(b-a, c-a, d-a): 1 where ${d} lies on the side to which the normal
+ * (b-a)x(c-a) points, -1 on the other, 0 on the plane.
+ */
+int mp_orient3d(const double a[3], const double b[3], const double c[3], const double d[3]);
+
+/* 1 if the three points lie on one line (or coincide), else 0. */
+int mp_collinear(const double a[3], const double b[3], const double c[3]);
+
+#endif

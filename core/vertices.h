@@ -1,0 +1,38 @@
+#ifndef MP_VERTICES_H
+#define MP_VERTICES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/error.h"
+
+/*
+ * The vertex table: identifies vertices by their coordinates (-0 = +0) while triangles arrive.
+ * Vertices are numbered in the order of first appearance.  Open addressing under a hash keyed with
+ * ${key} (16 secret random bytes), so that an uploader cannot aim for collisions; memory grows
+ * with what has come: coordinates are kept as float32 for as long as all of them are float32
+ * values (12 bytes a vertex), else as doubles (24).
+ */
+struct mp_vertices;
+
+/* NULL with ${err} filled when memory is out. */
+struct mp_vertices *mp_vertices_new(const uint8_t key[16], struct mp_error *err);
+void mp_vertices_free(struct mp_vertices *);
+
+/*
+ * Look up or add the 3*count corners of ${tri} (as in struct mp_sink) and write their numbers to
+ * ${out}.  -1: memory is out, or more than 2^32 - 2 vertices (MP_LIMIT); the table is then only
+ * good for mp_vertices_free().
+ */
+int mp_vertices_add(struct mp_vertices *, const double (*tri)[9], size_t count, uint32_t (*out)[3],
+		    struct mp_error *err);
+
+uint32_t mp_vertices_count(const struct mp_vertices *);
+
+/* Coordinates of vertex ${v} < count. */
+void mp_vertices_get(const struct mp_vertices *, uint32_t v, double xyz[3]);
+
+/* Give back the hash index (the larger part); add() is illegal afterwards, get() stays legal. */
+void mp_vertices_seal(struct mp_vertices *);
+
+#endif
