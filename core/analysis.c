@@ -1,0 +1,140 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/analysis_state.h"
+
+/* Triangle numbers are uint32_t and UINT32_MAX means none. */
+#define MOST_TRIANGLES (UINT32_MAX - 1)
+
+static int reserve(struct mp_analysis *a, size_t count, struct mp_error *err)
+{
+	size_t need = a->triangles + count, room = a->room;
+	void *new;
+
+	if (need <= room)
+		return 0;
+	while (room < need)
+		room = room < 1024 ? 1024 : 2 * room; /* need < 2^33: no overflow in 64 bits */
+	if (room > SIZE_MAX / sizeof *a->tri ||
+	    (new = realloc(a->tri, room * sizeof *a->tri)) == NULL)
+		return mp_fail_nomem(err);
+	a->tri = new;
+	a->room = room;
+	return 0;
+}
+
+static int take_block(void *self, const double (*tri)[9], size_t count, struct mp_error *err)
+{
+	struct mp_analysis *a = self;
+	uint64_t most = a->request.limits.max_triangles;
+
+	if (most > MOST_TRIANGLES)
+		most = MOST_TRIANGLES;
+	if (count > most - a->triangles)
+		return mp_fail_limit(err, MP_NO_BYTE, most, a->triangles + count,
+				     "more than %llu triangles", (unsigned long long)most);
+	if (reserve(a, count, err) ||
+	    mp_vertices_add(a->vertices, tri, count, a->tri + a->triangles, err))
+		return -1;
+	mp_moments_add(&a->moments, tri, count);
+	a->triangles += count;
+	return 0;
+}
+
+static int take_part(void *self, uint64_t first, const char *name, size_t len, struct mp_error *err)
+{
+	struct mp_analysis *a = self;
+
+	return mp_parts_add(&a->parts, first, name, len, err);
+}
+
+static int begin(struct mp_analysis *a, enum mp_format_wish format, bool asked,
+		 struct mp_error *err)
+{
+	a->decoder = mp_format_decoder(format, asked, err);
+	if (a->decoder == NULL)
+		return -1;
+	return a->decoder->begin(&a->state, &a->sink, &a->request.limits, &a->notes, err);
+}
+
+struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_error *err)
+{
+	struct mp_analysis *a = calloc(1, sizeof *a);
+
+	if (a == NULL) {
+		(void)mp_fail_nomem(err);
+		return NULL;
+	}
+	a->request = *request;
+	a->sink = (struct mp_sink){take_block, take_part, a};
+	mp_moments_begin(&a->moments);
+	a->vertices = mp_vertices_new(request->key, err);
+	if (a->vertices == NULL)
+		goto err1;
+	if (request->format != MP_WISH_AUTO && begin(a, request->format, true, err))
+		goto err1;
+	return a;
+err1:
+	mp_analysis_free(a);
+	return NULL;
+}
+
+/* The format is decided by the first MP_SNIFF_BYTES bytes, however they came. */
+static int decide(struct mp_analysis *a, struct mp_error *err)
+{
+	if (begin(a, mp_format_sniff(a->head, a->head_len), false, err))
+		return -1;
+	return a->decoder->push(a->state, a->head, a->head_len, err);
+}
+
+int mp_analysis_push(struct mp_analysis *a, const uint8_t *bytes, size_t len, struct mp_error *err)
+{
+	if (a->decoder == NULL) {
+		size_t take = sizeof a->head - a->head_len;
+
+		if (take > len)
+			take = len;
+		if (take == 0)
+			return 0;
+		memcpy(a->head + a->head_len, bytes, take);
+		a->head_len += take;
+		bytes += take;
+		len -= take;
+		if (a->head_len < sizeof a->head)
+			return 0;
+		if (decide(a, err))
+			return -1;
+	}
+	return len == 0 ? 0 : a->decoder->push(a->state, bytes, len, err);
+}
+
+int mp_analysis_end(struct mp_analysis *a, struct mp_error *err)
+{
+	if (a->decoder == NULL) {
+		if (a->head_len == 0)
+			return mp_fail(err, MP_EMPTY, MP_NO_BYTE, "the file is empty");
+		if (decide(a, err))
+			return -1;
+	}
+	if (a->decoder->finish(a->state, err))
+		return -1;
+	if (a->triangles == 0)
+		return mp_fail(err, MP_NO_FACES, MP_NO_BYTE, "the file has no triangles");
+	a->decoder->end(a->state);
+	a->state = NULL;
+	mp_vertices_seal(a->vertices);
+	a->ended = true;
+	return 0;
+}
+
+void mp_analysis_free(struct mp_analysis *a)
+{
+	if (a == NULL)
+		return;
+	if (a->decoder != NULL)
+		a->decoder->end(a->state);
+	mp_vertices_free(a->vertices);
+	free(a->tri);
+	mp_parts_free(&a->parts);
+	free(a);
+}

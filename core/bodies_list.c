@@ -1,0 +1,66 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/bodies.h"
+
+/* Names are copied behind each other; body[].name is set when the pool no longer moves. */
+static int copy_names(const struct mp_bodies *b, const struct mp_parts *parts, struct mp_report *r,
+		      struct mp_error *err)
+{
+	size_t size = 0, len, at = 0;
+
+	for (uint32_t i = 0; i < r->bodies_listed; i++) {
+		(void)mp_parts_name(parts, b->order[b->start[i]], b->order[b->start[i + 1] - 1],
+				    &len);
+		size += len;
+	}
+	if (size == 0)
+		return 0;
+	r->names = malloc(size);
+	if (r->names == NULL)
+		return mp_fail_nomem(err);
+	for (uint32_t i = 0; i < r->bodies_listed; i++) {
+		const char *name = mp_parts_name(parts, b->order[b->start[i]],
+						 b->order[b->start[i + 1] - 1], &len);
+
+		if (name == NULL)
+			continue;
+		memcpy(r->names + at, name, len);
+		r->body[i].name = r->names + at;
+		r->body[i].name_len = len;
+		at += len;
+	}
+	return 0;
+}
+
+static void fill(const struct mp_bodies *b, uint32_t i, const struct mp_density *density,
+		 struct mp_report *r)
+{
+	const struct mp_body_topology *t = &r->topology.body[i];
+	struct mp_body *body = &r->body[i];
+	bool fits = mp_mass_fill(&body->mass, &b->solid[i], t->closed || t->cracks_only, density);
+
+	mp_warn(r, MP_WARN_OUT_OF_RANGE, !fits);
+	body->first = t->first;
+	body->triangles = t->triangles;
+	body->box = b->box[i];
+	body->watertight = t->watertight;
+	body->orientation = b->winding[i];
+	body->nest = b->nest[i];
+	body->cavity = body->orientation == MP_ORIENTATION_INWARD && body->nest.decided &&
+		       body->nest.depth > 0;
+}
+
+int mp_bodies_list(const struct mp_bodies *b, const struct mp_density *density,
+		   const struct mp_parts *parts, struct mp_report *r, struct mp_error *err)
+{
+	if (b->listed == 0)
+		return 0;
+	r->body = calloc(b->listed, sizeof *r->body);
+	if (r->body == NULL)
+		return mp_fail_nomem(err);
+	r->bodies_listed = b->listed;
+	for (uint32_t i = 0; i < b->listed; i++)
+		fill(b, i, density, r);
+	return copy_names(b, parts, r, err);
+}

@@ -1,0 +1,230 @@
+#include "core/report.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/analysis_state.h"
+#include "core/bodies.h"
+#include "core/mass.h"
+#include "core/solid.h"
+
+/* Moments that agree to this part of the largest are one: a few roundings of sums and tensor. */
+#define SAME_MOMENT 1e-14
+
+static bool has_volume(const struct mp_topology *t)
+{
+	return t->closed || t->cracks_only;
+}
+
+/* The mesh changes owner: from here on the report has it, whatever happens. */
+static void take_mesh(struct mp_analysis *a, const struct mp_request *request, struct mp_report *r)
+{
+	memset(r, 0, sizeof *r);
+	r->notes = a->notes;
+	r->vertices = a->vertices;
+	r->tri = a->tri;
+	r->triangles = (uint32_t)a->triangles;
+	a->vertices = NULL;
+	a->tri = NULL;
+	a->ended = false;
+	if (!request->flip)
+		return;
+	for (uint32_t i = 0; i < r->triangles; i++) {
+		uint32_t second = r->tri[i][1];
+
+		r->tri[i][1] = r->tri[i][2];
+		r->tri[i][2] = second;
+	}
+	mp_moments_flip(&a->moments);
+	r->flipped_triangles = r->triangles;
+}
+
+static struct mp_density find_density(const struct mp_request *request,
+				      const struct mp_solid *whole, bool closed,
+				      struct mp_report *r)
+{
+	struct mp_density d = {.asked = request->density_kind != MP_DENSITY_NONE, .value = 1};
+	bool divided = request->density_divisor != 0;
+
+	if (request->density_kind == MP_DENSITY_GIVEN) {
+		d.defined = true;
+		d.value = request->density;
+		d.value /= divided ? request->density_divisor : 1;
+	} else if (request->density_kind == MP_DENSITY_FROM_MASS) {
+		d.defined = closed && whole->in_range && whole->volume != 0;
+		d.value = d.defined ? request->density / fabsl(whole->volume) : 0;
+	}
+	r->has_density = d.asked;
+	r->density_defined = d.defined && mp_in_range(d.value, &r->density);
+	mp_warn(r, MP_WARN_OUT_OF_RANGE, d.defined && !r->density_defined);
+	return d;
+}
+
+static void set_surface(const struct mp_solid *whole, struct mp_report *r)
+{
+	bool fits = whole->has_surface_centroid;
+
+	for (int k = 0; k < 3; k++) {
+		fits = fits && fabsl(whole->surface_centroid[k]) <= DBL_MAX;
+		if (!r->topology.closed) /* closed: exactly 0, every edge cancels */
+			(void)mp_in_range(whole->vector_area[k], &r->closure_defect[k]);
+	}
+	r->surface_centroid_defined = fits;
+	for (int k = 0; k < 3 && fits; k++)
+		r->surface_centroid[k] = (double)whole->surface_centroid[k];
+}
+
+static void set_principal(const struct mp_solid *whole, long double mass, struct mp_report *r)
+{
+	const double(*inertia)[3] = (const double(*)[3])r->total.inertia;
+	double norm = 0, tolerance = SAME_MOMENT;
+
+	/* the rigorous bound of a healthy solid is about 16 times what happens */
+	if (whole->volume_bound > 16 * SAME_MOMENT * fabsl(whole->volume))
+		tolerance = (double)(whole->volume_bound / fabsl(whole->volume)) / 16;
+	for (int i = 0; i < 3; i++)
+		norm = fmax(norm, fabs(inertia[i][i]));
+	mp_principal_find(inertia, tolerance * norm, &r->principal);
+	if (!isfinite(r->principal.moments[2])) {
+		memset(&r->principal, 0, sizeof r->principal);
+		memset(r->total.inertia, 0, sizeof r->total.inertia);
+		r->total.inertia_defined = false;
+		mp_warn(r, MP_WARN_OUT_OF_RANGE, true);
+		return;
+	}
+	r->radii_defined = true;
+	for (int k = 0; k < 3; k++) {
+		long double square = r->principal.moments[k] / mass;
+
+		if (square < 0 && square * mass >= -tolerance * norm)
+			square = 0; /* a needle's smallest moment is lost in the rounding */
+		r->radii_defined = r->radii_defined && square >= 0 &&
+				   mp_in_range(sqrtl(square), &r->radii_of_gyration[k]);
+	}
+	if (!r->radii_defined)
+		memset(r->radii_of_gyration, 0, sizeof r->radii_of_gyration);
+}
+
+static void set_inertia(const struct mp_request *request, const struct mp_solid *whole,
+			const struct mp_density *density, struct mp_report *r)
+{
+	long double mass = density->value * fabsl(whole->volume), about[3];
+	bool fits = true;
+
+	if (!r->total.centroid_defined || (density->asked && !density->defined))
+		return;
+	fits = r->inertia_origin_defined =
+	    mp_mass_inertia(whole, mass, whole->centroid, r->inertia_origin);
+	if (request->has_about) {
+		for (int k = 0; k < 3; k++)
+			about[k] = whole->centroid[k] - request->about[k];
+		r->inertia_about_defined = mp_mass_inertia(whole, mass, about, r->inertia_about);
+		fits = fits && r->inertia_about_defined;
+	}
+	if (request->has_axis) {
+		r->axis_defined = mp_mass_axis(whole, mass, request->axis_origin,
+					       request->axis_direction, &r->axis);
+		fits = fits && r->axis_defined;
+	}
+	mp_warn(r, MP_WARN_OUT_OF_RANGE, !fits);
+	if (r->total.inertia_defined)
+		set_principal(whole, mass, r);
+}
+
+static void warn(struct mp_report *r)
+{
+	const struct mp_topology *t = &r->topology;
+	const struct mp_notes *n = &r->notes;
+	bool undefined = !has_volume(t);
+
+	mp_warn(r, MP_WARN_OPEN, undefined && t->boundary_edges > 0);
+	mp_warn(r, MP_WARN_WINDING,
+		undefined && (t->boundary_edges == 0 || t->misoriented_edges > 0));
+	mp_warn(r, MP_WARN_CRACKS, !t->closed && t->cracks_only);
+	mp_warn(r, MP_WARN_NON_MANIFOLD, t->non_manifold_edges > 0);
+	mp_warn(r, MP_WARN_NON_MANIFOLD_VERTEX, t->non_manifold_vertices > 0);
+	mp_warn(r, MP_WARN_ZERO_VOLUME, r->total.volume_defined && r->total.volume == 0);
+	mp_warn(r, MP_WARN_DEGENERATE, t->degenerate_triangles > 0);
+	mp_warn(r, MP_WARN_DUPLICATE, t->duplicate_triangles > 0);
+	mp_warn(r, MP_WARN_DEFECTS_TRUNCATED, t->truncated);
+	mp_warn(r, MP_WARN_NORMALS, n->normals_disagreeing > 0);
+	mp_warn(r, MP_WARN_TRAILING_BYTES, n->trailing_bytes > 0);
+	mp_warn(r, MP_WARN_MISSING_END, n->missing_endsolid > 0);
+	mp_warn(r, MP_WARN_NONSTANDARD, n->nonstandard_lines > 0);
+	mp_warn(r, MP_WARN_SEVERAL_SOLIDS, n->parts > 1);
+}
+
+/*
+ * An area of 0 is true only if every triangle is degenerate, else its squares underflowed; and if
+ * every triangle is, area and volume are 0, whatever rounding left in the sums.
+ */
+static void settle_zero(const struct mp_topology *t, uint32_t triangles, struct mp_solid *whole)
+{
+	if (t->degenerate_triangles < triangles) {
+		whole->area_in_range = whole->area_in_range && whole->area > 0;
+		return;
+	}
+	memset(whole, 0, sizeof *whole);
+	whole->in_range = whole->area_in_range = true;
+}
+
+static int fill(struct mp_analysis *a, const struct mp_request *request, struct mp_report *r,
+		struct mp_bodies *bodies, struct mp_error *err)
+{
+	const struct mp_mesh mesh = {r->vertices, (const uint32_t(*)[3])r->tri, r->triangles};
+	struct mp_density density;
+	struct mp_solid whole;
+	bool closed;
+
+	memcpy(r->box.min, a->moments.min, sizeof r->box.min);
+	memcpy(r->box.max, a->moments.max, sizeof r->box.max);
+	if (mp_topology_find(&mesh, request->defects, &r->topology, err))
+		return -1;
+	closed = has_volume(&r->topology);
+	mp_solid_find(&a->moments, &mesh, NULL, mesh.triangles,
+		      closed && mp_bodies_alone(&mesh, &r->topology), &whole);
+	if (mp_bodies_measure(&mesh, &r->topology, request->bodies, &a->moments, &whole, bodies,
+			      err))
+		return -1;
+	if (closed && !mp_bodies_alone(&mesh, &r->topology) && !bodies->sum_up)
+		mp_solid_find(&a->moments, &mesh, NULL, mesh.triangles, true, &whole);
+	settle_zero(&r->topology, r->triangles, &whole);
+	density = find_density(request, &whole, closed, r);
+	mp_warn(r, MP_WARN_OUT_OF_RANGE, !mp_mass_fill(&r->total, &whole, closed, &density));
+	set_surface(&whole, r);
+	set_inertia(request, &whole, &density, r);
+	warn(r);
+	if (mp_bodies_judge(bodies, r, err))
+		return -1;
+	return mp_bodies_list(bodies, &density, &a->parts, r, err);
+}
+
+int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,
+		       struct mp_report *out, struct mp_error *err)
+{
+	struct mp_bodies bodies = {0};
+	int ret;
+
+	if (!a->ended) {
+		memset(out, 0, sizeof *out);
+		return mp_fail(err, MP_BUG, MP_NO_BYTE, "a report without an ended file");
+	}
+	take_mesh(a, request, out);
+	ret = fill(a, request, out, &bodies, err);
+	mp_bodies_free(&bodies);
+	if (ret)
+		mp_report_free(out);
+	return ret;
+}
+
+void mp_report_free(struct mp_report *r)
+{
+	mp_vertices_free(r->vertices);
+	free(r->tri);
+	mp_topology_free(&r->topology);
+	free(r->body);
+	free(r->names);
+	memset(r, 0, sizeof *r);
+}
