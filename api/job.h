@@ -1,0 +1,76 @@
+#ifndef API_JOB_H
+#define API_JOB_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "api/problem.h"
+
+/*
+ * One request for mass properties, from its words and bytes to its answer: content coding,
+ * multipart, decoding, analysis, JSON.  Used by the service's workers and by the command line.
+ * No clocks, no sockets: the caller gives a clock and sends the answer on.
+ */
+struct api_job_limits {
+	uint64_t max_decoded; /* bytes after content decoding */
+	uint64_t max_triangles;
+};
+
+struct api_job_head {
+	const char *query; /* raw, NULL for none */
+	size_t query_len;
+	const char *content_type;     /* header value, NULL for none */
+	const char *content_encoding; /* header value, NULL for none */
+	const char *filename;         /* for the report, NULL for none (a raw body) */
+	const char *instance;         /* path, for problems */
+	const char *request_id;       /* for problems */
+	uint8_t key[16];              /* secret, fresh random bytes */
+	struct api_job_limits limits;
+	double (*now)(void); /* monotonic seconds */
+};
+
+struct api_timing { /* milliseconds */
+	double receive, queue, decode, analyse;
+};
+
+struct api_answer {
+	int status; /* HTTP */
+	enum api_code code;
+	char detail[API_DETAIL]; /* of a problem, "" for a report */
+	const char *content_type;
+	char *body; /* heap */
+	size_t len;
+	const char *format;        /* "stl-binary", ..., "unknown": for logs and metrics */
+	uint64_t triangles, bytes; /* decoded */
+	struct api_timing timing;
+};
+
+struct api_job;
+
+/*
+ * Verdict from the head alone, for an early refusal: options, media type, content coding.
+ * 0, or -1 with ${p}.  The same checks run again inside the job.
+ */
+int api_job_precheck(const struct api_job_head *, struct api_problem *p);
+
+/* Strings of ${head} are copied.  NULL: memory is out. */
+struct api_job *api_job_new(const struct api_job_head *head);
+
+/* Take body bytes.  Returns 0: go on; 1: the verdict is known, further bytes change nothing. */
+int api_job_push(struct api_job *, const uint8_t *bytes, size_t len);
+
+/*
+ * The body is over (or the verdict is known): make the answer.  ${receive_ms}, ${queue_ms} are
+ * for the report's timing.  Never fails: where memory is out the answer is a static problem with
+ * body != NULL all the same (api_answer_free knows).
+ */
+void api_job_answer(struct api_job *, double receive_ms, double queue_ms, struct api_answer *out);
+
+void api_answer_free(struct api_answer *);
+void api_job_free(struct api_job *);
+
+/* Media types and codings for Accept-Post and Accept-Encoding. */
+extern const char api_accept_post[];
+extern const char api_accept_encoding[];
+
+#endif

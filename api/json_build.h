@@ -1,0 +1,64 @@
+#ifndef API_JSON_BUILD_H
+#define API_JSON_BUILD_H
+
+#include <cjson/cJSON.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/*
+ * Building JSON: cJSON trees for what is small, one growing text for what is long, so that a list
+ * of 100,000 defects is one node.  Failure (memory is out) is remembered and asked for once, at
+ * the end.
+ */
+
+/* A growing text.  Zeroed is empty; a NUL stands behind ${text} once it is not NULL. */
+struct api_text {
+	char *text; /* heap, the owner's */
+	size_t len, cap;
+	bool failed;
+};
+
+void api_text_put(struct api_text *, const char *bytes, size_t len);
+void api_text_say(struct api_text *, const char *words);
+void api_text_number(struct api_text *, double x); /* null where not finite */
+void api_text_count(struct api_text *, uint64_t n);
+void api_text_bool(struct api_text *, bool b);
+void api_text_string(struct api_text *, const char *bytes, size_t len); /* quoted and cleaned */
+
+/* [x,y,z]; one number that is not finite makes it null. */
+void api_text_vector(struct api_text *, const double *x, size_t count);
+/* [[..],[..],[..]], rows; the same. */
+void api_text_matrix(struct api_text *, const double m[3][3]);
+
+struct api_json {
+	cJSON *root;
+	bool failed;
+};
+
+/*
+ * Add a member to ${parent}.  ${name} is kept by pointer (a literal).  A NULL ${parent} is a
+ * failure that was noticed before.
+ */
+cJSON *api_json_object(struct api_json *, cJSON *parent, const char *name);
+void api_json_null(struct api_json *, cJSON *parent, const char *name);
+void api_json_bool(struct api_json *, cJSON *parent, const char *name, bool b);
+void api_json_string(struct api_json *, cJSON *parent, const char *name, const char *text);
+void api_json_count(struct api_json *, cJSON *parent, const char *name, uint64_t n);
+void api_json_signed(struct api_json *, cJSON *parent, const char *name, int64_t n);
+
+/* Those that print null where ${defined} is false or a number is not finite. */
+void api_json_value(struct api_json *, cJSON *parent, const char *name, bool defined, double x);
+void api_json_vector(struct api_json *, cJSON *parent, const char *name, bool defined,
+		     const double *x, size_t count);
+void api_json_matrix(struct api_json *, cJSON *parent, const char *name, bool defined,
+		     const double m[3][3]);
+
+/* ${text}, which is JSON already, becomes the member and is taken over (zeroed). */
+void api_json_text(struct api_json *, cJSON *parent, const char *name, struct api_text *text);
+
+/* Begin with an object as the root; print it and give the tree back: heap string or NULL. */
+cJSON *api_json_begin(struct api_json *);
+char *api_json_finish(struct api_json *, size_t *len);
+
+#endif

@@ -1,0 +1,243 @@
+#include "api/option_table.h"
+
+#include <string.h>
+
+#include "api/units.h"
+
+enum { MOST_BODIES = 10000, MOST_DEFECTS = 100000, MOST_MATERIALS = 64 };
+
+static int set_format(struct api_options *o, const struct api_value *v)
+{
+	static const char *const words[] = {"auto", "stl", "obj", "drc"}; /* enum mp_format_wish */
+	unsigned which;
+
+	if (api_value_choice(v, words, 4, &which))
+		return -1;
+	o->format = (enum mp_format_wish)which;
+	return 0;
+}
+
+static int set_unit(struct api_options *o, const struct api_value *v)
+{
+	unsigned which;
+
+	if (api_value_choice(v, api_unit_names, API_UNITS, &which))
+		return -1;
+	o->unit = (enum api_unit)which;
+	o->unit_given = true;
+	return 0;
+}
+
+static int set_density(struct api_options *o, const struct api_value *v)
+{
+	o->has_density = true;
+	return api_value_positive(v, &o->density);
+}
+
+static int set_density_unit(struct api_options *o, const struct api_value *v)
+{
+	unsigned which;
+
+	if (api_value_choice(v, api_density_unit_names, API_DENSITY_UNITS, &which))
+		return -1;
+	o->density_unit = (enum api_density_unit)which;
+	return 0;
+}
+
+static int set_material(struct api_options *o, const struct api_value *v)
+{
+	const char *names[MOST_MATERIALS];
+	size_t count = api_material_count < MOST_MATERIALS ? api_material_count : MOST_MATERIALS;
+	unsigned which;
+
+	for (size_t i = 0; i < count; i++)
+		names[i] = api_materials[i].name;
+	if (api_value_choice(v, names, count, &which))
+		return -1;
+	o->material = (int)which;
+	o->has_material = true;
+	return 0;
+}
+
+static int set_mass(struct api_options *o, const struct api_value *v)
+{
+	o->has_mass = true;
+	return api_value_positive(v, &o->mass);
+}
+
+static int set_mass_unit(struct api_options *o, const struct api_value *v)
+{
+	unsigned which;
+
+	if (api_value_choice(v, api_mass_unit_names, API_MASS_UNITS, &which))
+		return -1;
+	o->mass_unit = (enum api_mass_unit)which;
+	return 0;
+}
+
+static int set_about(struct api_options *o, const struct api_value *v)
+{
+	o->has_about = true;
+	return api_value_numbers(v, o->about, 3);
+}
+
+static int set_axis(struct api_options *o, const struct api_value *v)
+{
+	o->has_axis = true;
+	if (api_value_numbers(v, o->axis, 3))
+		return -1;
+	if (o->axis[0] == 0 && o->axis[1] == 0 && o->axis[2] == 0)
+		return api_value_bad(v, "a direction; its length is 0");
+	return 0;
+}
+
+static int set_axis_origin(struct api_options *o, const struct api_value *v)
+{
+	o->has_axis_origin = true;
+	return api_value_numbers(v, o->axis_origin, 3);
+}
+
+static int set_flip(struct api_options *o, const struct api_value *v)
+{
+	return api_value_bool(v, &o->flip);
+}
+
+static int set_bodies(struct api_options *o, const struct api_value *v)
+{
+	return api_value_count(v, MOST_BODIES, &o->bodies);
+}
+
+static int set_defects(struct api_options *o, const struct api_value *v)
+{
+	return api_value_count(v, MOST_DEFECTS, &o->defects);
+}
+
+static int set_strict(struct api_options *o, const struct api_value *v)
+{
+	return api_value_bool(v, &o->strict);
+}
+
+/* Options of a later stage: a malformed value is still malformed, the default changes nothing. */
+
+static int not_yet(const struct api_value *v)
+{
+	return api_problem_option(v->problem, API_OPTION_NOT_SUPPORTED, v->name, v->name_len,
+				  "This version does not have this option yet.");
+}
+
+static int later_word(const struct api_value *v, const char *const *words, size_t count)
+{
+	unsigned which; /* the first is the default */
+
+	if (api_value_choice(v, words, count, &which))
+		return -1;
+	return which == 0 ? 0 : not_yet(v);
+}
+
+static int set_density_of(struct api_options *o, const struct api_value *v)
+{
+	double x;
+
+	(void)o;
+	return api_value_positive(v, &x) ? -1 : not_yet(v);
+}
+
+static int set_transform(struct api_options *o, const struct api_value *v)
+{
+	double m[16];
+	size_t commas = 0;
+
+	(void)o;
+	for (size_t i = 0; i < v->len; i++)
+		commas += v->text[i] == ',';
+	if (commas != 11 && commas != 15)
+		return api_value_bad(v, "12 or 16 finite numbers with commas between them");
+	if (api_value_numbers(v, m, commas + 1))
+		return -1;
+	if (commas == 15 && (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1))
+		return api_value_bad(v, "an affine map, whose last row is 0,0,0,1");
+	return not_yet(v);
+}
+
+static int set_orient(struct api_options *o, const struct api_value *v)
+{
+	static const char *const words[] = {"keep", "fix"};
+
+	(void)o;
+	return later_word(v, words, 2);
+}
+
+static int set_weld(struct api_options *o, const struct api_value *v)
+{
+	double x = -1;
+
+	(void)o;
+	if (api_value_numbers(v, &x, 1))
+		return -1;
+	if (x < 0)
+		return api_value_bad(v, "a number that is not negative");
+	return x == 0 ? 0 : not_yet(v);
+}
+
+static int set_checks(struct api_options *o, const struct api_value *v)
+{
+	static const char *const words[] = {"full", "closed"};
+
+	(void)o;
+	return later_word(v, words, 2);
+}
+
+static int set_precision(struct api_options *o, const struct api_value *v)
+{
+	static const char *const words[] = {"auto", "certified", "exact"};
+
+	(void)o;
+	return later_word(v, words, 3);
+}
+
+static int set_resolution(struct api_options *o, const struct api_value *v)
+{
+	double x;
+
+	(void)o;
+	if (api_value_positive(v, &x))
+		return -1;
+	return x == 1e-9 ? 0 : not_yet(v);
+}
+
+static int set_include(struct api_options *o, const struct api_value *v)
+{
+	(void)o;
+	if (v->len == 0)
+		return api_value_bad(v, "a list of extras");
+	return not_yet(v);
+}
+
+const struct api_option_row api_option_rows[] = {
+    {"format", set_format, false},
+    {"unit", set_unit, false},
+    {"density", set_density, false},
+    {"density_unit", set_density_unit, false},
+    {"material", set_material, false},
+    {"mass", set_mass, false},
+    {API_OPTION_FAMILY "NAME]", set_density_of, true},
+    {"mass_unit", set_mass_unit, false},
+    {"about", set_about, false},
+    {"axis", set_axis, false},
+    {"axis_origin", set_axis_origin, false},
+    {"transform", set_transform, true},
+    {"flip", set_flip, false},
+    {"orient", set_orient, true},
+    {"weld", set_weld, true},
+    {"bodies", set_bodies, false},
+    {"defects", set_defects, false},
+    {"checks", set_checks, true},
+    {"precision", set_precision, true},
+    {"resolution", set_resolution, true},
+    {"include", set_include, true},
+    {"strict", set_strict, false},
+};
+
+const size_t api_option_count = sizeof api_option_rows / sizeof api_option_rows[0];
+_Static_assert(sizeof api_option_rows / sizeof api_option_rows[0] <= 64,
+	       "api_options.given has a bit for every row");

@@ -1,0 +1,151 @@
+#include "api/options.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "api/option_table.h"
+#include "api/units.h"
+#include "api/utf8.h"
+
+enum { DEFAULT_LISTED = 100 };
+
+static bool is_family(const char *name, size_t len)
+{
+	const size_t head = sizeof API_OPTION_FAMILY - 1;
+
+	return len > head && memcmp(name, API_OPTION_FAMILY, head) == 0;
+}
+
+static bool row_fits(const struct api_option_row *row, const char *name, size_t len)
+{
+	if (is_family(row->name, strlen(row->name)))
+		return is_family(name, len) && len > sizeof API_OPTION_FAMILY &&
+		       name[len - 1] == ']';
+	return strlen(row->name) == len && memcmp(row->name, name, len) == 0;
+}
+
+static int set_row(struct api_options *o, size_t i, const struct api_value *v)
+{
+	const uint64_t bit = UINT64_C(1) << i;
+
+	if ((o->given & bit) != 0 && !is_family(v->name, v->name_len))
+		return api_problem_option(v->problem, API_BAD_OPTION, v->name, v->name_len,
+					  "The option is given more than once.");
+	o->given |= bit;
+	if (!api_utf8_clean(v->text, v->len))
+		return api_problem_option(
+		    v->problem, API_BAD_OPTION, v->name, v->name_len,
+		    "The option's value holds control characters or is not UTF-8.");
+	return api_option_rows[i].set(o, v);
+}
+
+int api_options_set(struct api_options *o, const char *name, size_t name_len, const char *value,
+		    size_t value_len, struct api_problem *p)
+{
+	const struct api_value v = {name, name_len, value, value_len, p};
+
+	if (name_len == 0)
+		return api_problem_set(p, API_BAD_REQUEST, "There is an option without a name.");
+	if (!api_utf8_clean(name, name_len))
+		return api_problem_option(
+		    p, API_BAD_REQUEST, name, name_len,
+		    "An option's name holds control characters or is not UTF-8.");
+	for (size_t i = 0; i < api_option_count; i++)
+		if (row_fits(&api_option_rows[i], name, name_len))
+			return set_row(o, i, &v);
+	return api_problem_option(p, API_UNKNOWN_OPTION, name, name_len,
+				  "There is no such option; names are case-sensitive.");
+}
+
+void api_options_init(struct api_options *o)
+{
+	memset(o, 0, sizeof *o);
+	o->axis[2] = 1;
+	o->bodies = o->defects = DEFAULT_LISTED;
+}
+
+/* What was given, a density or a material, in ${to}. */
+static struct api_ratio density_in(const struct api_options *o, enum api_density_unit to)
+{
+	if (o->has_material)
+		return api_units_convert(api_materials[o->material].kg_m3, API_KG_M3, to, o->unit,
+					 o->mass_unit);
+	return api_units_convert(o->density, o->density_unit, to, o->unit, o->mass_unit);
+}
+
+static int exclusive(struct api_problem *p, const char *one, const char *other)
+{
+	return api_problem_option(p, API_BAD_OPTION, other, strlen(other),
+				  "%s and %s exclude each other: give one of them.", one, other);
+}
+
+int api_options_check(const struct api_options *o, struct api_problem *p)
+{
+	const char *name = o->has_material ? "material" : "density";
+	struct api_ratio density;
+
+	if (o->has_density && o->has_material)
+		return exclusive(p, "density", "material");
+	if (o->has_density && o->has_mass)
+		return exclusive(p, "density", "mass");
+	if (o->has_material && o->has_mass)
+		return exclusive(p, "material", "mass");
+	if (!o->has_density && !o->has_material)
+		return 0;
+	density = density_in(o, API_DENSITY_FILE);
+	if (!isnormal(density.num / density.den))
+		return api_problem_option(p, API_BAD_OPTION, name, strlen(name),
+					  "The density is out of range in these units.");
+	return 0;
+}
+
+void api_options_request(const struct api_options *o, struct mp_request *out)
+{
+	struct api_ratio density;
+
+	out->format = o->format;
+	out->flip = o->flip;
+	out->density_kind = MP_DENSITY_NONE;
+	out->density = 0;
+	out->density_divisor = 1;
+	if (o->has_mass) {
+		out->density_kind = MP_DENSITY_FROM_MASS;
+		out->density = o->mass;
+	} else if (o->has_density || o->has_material) {
+		out->density_kind = MP_DENSITY_GIVEN;
+		density = density_in(o, API_DENSITY_FILE);
+		out->density = density.num;
+		out->density_divisor = density.den;
+	}
+	out->has_about = o->has_about;
+	out->has_axis = o->has_axis || o->has_axis_origin;
+	memcpy(out->about, o->about, sizeof out->about);
+	memcpy(out->axis_direction, o->axis, sizeof out->axis_direction);
+	memcpy(out->axis_origin, o->axis_origin, sizeof out->axis_origin);
+	out->bodies = o->bodies;
+	out->defects = o->defects;
+}
+
+double api_options_density(const struct api_options *o, double volume)
+{
+	struct api_ratio r;
+
+	if (o->has_density)
+		return o->density;
+	if (o->has_material)
+		r = density_in(o, o->density_unit);
+	else
+		r = api_units_convert(o->mass, API_DENSITY_FILE, o->density_unit, o->unit,
+				      o->mass_unit);
+	return o->has_material ? r.num / r.den : r.num / (volume * r.den);
+}
+
+const char *api_option_name(size_t i)
+{
+	return i < api_option_count ? api_option_rows[i].name : NULL;
+}
+
+bool api_option_supported(size_t i)
+{
+	return i < api_option_count && !api_option_rows[i].later;
+}

@@ -1,0 +1,264 @@
+#include "api/report_json.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "api/json_build.h"
+#include "api/report_lists.h"
+#include "api/report_words.h"
+#include "api/units.h"
+
+/* Defects a document holds at most: 100,000 of each kind at 150 bytes are less than half. */
+enum { MOST_DEFECT_TEXT = 256 << 20 };
+
+struct doc {
+	const struct mp_report *r;
+	const struct api_options *o;
+	struct api_json j;
+	bool lists_cut;
+};
+
+static void add_input(struct doc *d, cJSON *root, const char *filename)
+{
+	cJSON *in = api_json_object(&d->j, root, "input");
+
+	if (filename != NULL)
+		api_json_string(&d->j, in, "filename", filename);
+	else
+		api_json_null(&d->j, in, "filename");
+	api_json_string(&d->j, in, "format", api_format_word(d->r->notes.format));
+	api_json_count(&d->j, in, "bytes", d->r->notes.bytes);
+	api_json_string(&d->j, in, "unit", api_unit_names[d->o->unit]);
+}
+
+static void add_unit(struct doc *d, cJSON *units, const char *name, const char *base, int power)
+{
+	char text[32];
+
+	if (power > 1)
+		snprintf(text, sizeof text, "%s%d", base, power);
+	else
+		snprintf(text, sizeof text, "%s", base);
+	api_json_string(&d->j, units, name, text);
+}
+
+static void add_units(struct doc *d, cJSON *root)
+{
+	const char *length = api_unit_names[d->o->unit];
+	const char *density = api_density_unit_names[d->o->density_unit];
+	const char *mass = d->o->density_unit == API_DENSITY_FILE
+			       ? density /* whatever the density's mass is in */
+			       : api_mass_unit_names[d->o->mass_unit];
+	cJSON *units = api_json_object(&d->j, root, "units");
+	char inertia[24];
+
+	add_unit(d, units, "length", length, 1);
+	add_unit(d, units, "area", length, 2);
+	add_unit(d, units, "volume", length, 3);
+	if (d->r->has_density) {
+		api_json_string(&d->j, units, "mass", mass);
+		api_json_string(&d->j, units, "density", density);
+		snprintf(inertia, sizeof inertia, "%s.%s", mass, length);
+		add_unit(d, units, "inertia", inertia, 2);
+	} else {
+		api_json_null(&d->j, units, "mass");
+		api_json_null(&d->j, units, "density");
+		add_unit(d, units, "inertia", length, 5);
+	}
+}
+
+static void add_mesh(struct doc *d, cJSON *root)
+{
+	const struct mp_topology *t = &d->r->topology;
+	const struct mp_box *box = &d->r->box;
+	cJSON *mesh = api_json_object(&d->j, root, "mesh"), *b;
+	double size[3];
+
+	for (int k = 0; k < 3; k++)
+		size[k] = box->max[k] - box->min[k];
+	api_json_count(&d->j, mesh, "triangles", d->r->triangles);
+	api_json_count(&d->j, mesh, "polygons", d->r->notes.polygons);
+	api_json_count(&d->j, mesh, "surfaces", 0);
+	api_json_count(&d->j, mesh, "vertices", t->vertices);
+	api_json_count(&d->j, mesh, "edges", t->edges);
+	api_json_count(&d->j, mesh, "bodies", t->bodies);
+	api_json_signed(&d->j, mesh, "euler_characteristic", t->euler);
+	b = api_json_object(&d->j, mesh, "bounding_box");
+	api_json_vector(&d->j, b, "min", true, box->min, 3);
+	api_json_vector(&d->j, b, "max", true, box->max, 3);
+	api_json_vector(&d->j, b, "size", true, size, 3);
+}
+
+static void add_solid(struct doc *d, cJSON *checks)
+{
+	if (d->r->solid == MP_UNDECIDED)
+		api_json_null(&d->j, checks, "solid");
+	else
+		api_json_bool(&d->j, checks, "solid", d->r->solid == MP_YES);
+}
+
+static void add_checks(struct doc *d, cJSON *root)
+{
+	const struct mp_topology *t = &d->r->topology;
+	struct api_json *j = &d->j;
+	cJSON *c = api_json_object(j, root, "checks");
+
+	api_json_bool(j, c, "closed", t->closed);
+	api_json_bool(j, c, "watertight", t->watertight);
+	api_json_bool(j, c, "winding_consistent", t->winding_consistent);
+	api_json_string(j, c, "orientation", api_orientation_word(d->r->orientation));
+	add_solid(d, c);
+	api_json_count(j, c, "boundary_edges", t->boundary_edges);
+	api_json_count(j, c, "boundary_loops", t->boundary_loops);
+	api_json_count(j, c, "non_manifold_edges", t->non_manifold_edges);
+	api_json_count(j, c, "non_manifold_vertices", t->non_manifold_vertices);
+	api_json_count(j, c, "misoriented_edges", t->misoriented_edges);
+	api_json_count(j, c, "degenerate_triangles", t->degenerate_triangles);
+	api_json_count(j, c, "duplicate_triangles", t->duplicate_triangles);
+	api_json_count(j, c, "normals_disagreeing", d->r->notes.normals_disagreeing);
+	if (d->r->overlapping == MP_NO)
+		api_json_count(j, c, "overlapping_bodies", 0);
+	else
+		api_json_null(j, c, "overlapping_bodies");
+	api_json_null(j, c, "self_intersections");
+	api_json_vector(j, c, "closure_defect", true, d->r->closure_defect, 3);
+	api_json_null(j, c, "closes_at_tolerance");
+	api_json_null(j, c, "by_index");
+}
+
+static void add_axis(struct doc *d, cJSON *inertia)
+{
+	const struct mp_axis_moment *axis = &d->r->axis;
+	cJSON *a;
+
+	if (!d->r->axis_defined) {
+		api_json_null(&d->j, inertia, "about_axis");
+		return;
+	}
+	a = api_json_object(&d->j, inertia, "about_axis");
+	api_json_vector(&d->j, a, "origin", true, axis->origin, 3);
+	api_json_vector(&d->j, a, "direction", true, axis->direction, 3);
+	api_json_value(&d->j, a, "moment", true, axis->moment);
+	api_json_value(&d->j, a, "radius_of_gyration", axis->radius_defined,
+		       axis->radius_of_gyration);
+}
+
+static void add_inertia(struct doc *d, cJSON *properties)
+{
+	const struct mp_report *r = d->r;
+	cJSON *i;
+
+	if (!r->total.inertia_defined && !r->inertia_origin_defined && !r->axis_defined) {
+		api_json_null(&d->j, properties, "inertia");
+		return;
+	}
+	i = api_json_object(&d->j, properties, "inertia");
+	api_json_string(&d->j, i, "convention", "tensor: [0][1] = -integral of density*x*y");
+	api_json_matrix(&d->j, i, "about_origin", r->inertia_origin_defined, r->inertia_origin);
+	api_json_matrix(&d->j, i, "about_centroid", r->total.inertia_defined, r->total.inertia);
+	api_json_matrix(&d->j, i, "about_point", r->inertia_about_defined, r->inertia_about);
+	add_axis(d, i);
+}
+
+static void add_principal(struct doc *d, cJSON *properties)
+{
+	const struct mp_principal *p = &d->r->principal;
+	cJSON *o;
+
+	if (!d->r->total.inertia_defined) {
+		api_json_null(&d->j, properties, "principal");
+		return;
+	}
+	o = api_json_object(&d->j, properties, "principal");
+	api_json_vector(&d->j, o, "moments", true, p->moments, 3);
+	api_json_matrix(&d->j, o, "axes", true, p->axes);
+	api_json_vector(&d->j, o, "quaternion_wxyz", true, p->quaternion, 4);
+	api_json_vector(&d->j, o, "radii_of_gyration", d->r->radii_defined, d->r->radii_of_gyration,
+			3);
+	api_json_string(&d->j, o, "symmetry", api_symmetry_word(p->symmetry));
+}
+
+static void add_properties(struct doc *d, cJSON *root)
+{
+	const struct mp_report *r = d->r;
+	const struct mp_mass *m = &r->total;
+	cJSON *p = api_json_object(&d->j, root, "properties");
+
+	api_json_value(&d->j, p, "volume", m->volume_defined, fabs(m->volume));
+	api_json_value(&d->j, p, "signed_volume", m->volume_defined, m->volume);
+	api_json_value(&d->j, p, "surface_area", m->area_defined, m->area);
+	api_json_vector(&d->j, p, "surface_centroid", r->surface_centroid_defined,
+			r->surface_centroid, 3);
+	api_json_value(&d->j, p, "density", r->has_density && r->density_defined,
+		       api_options_density(d->o, fabs(m->volume)));
+	api_json_value(&d->j, p, "mass", r->has_density && m->mass_defined, m->mass);
+	api_json_vector(&d->j, p, "centroid", m->centroid_defined, m->centroid, 3);
+	add_inertia(d, p);
+	add_principal(d, p);
+	api_json_null(&d->j, p, "volume_if_capped");
+	api_json_null(&d->j, p, "volume_if_oriented");
+}
+
+static void add_defects(struct doc *d, cJSON *root)
+{
+	static const char *const names[MP_DEFECT_KINDS] = {
+	    [MP_DEFECT_BOUNDARY_EDGE] = "boundary_edges",
+	    [MP_DEFECT_BOUNDARY_LOOP] = "boundary_loops",
+	    [MP_DEFECT_NON_MANIFOLD_EDGE] = "non_manifold_edges",
+	    [MP_DEFECT_NON_MANIFOLD_VERTEX] = "non_manifold_vertices",
+	    [MP_DEFECT_MISORIENTED_EDGE] = "misoriented_edges",
+	    [MP_DEFECT_DEGENERATE_TRIANGLE] = "degenerate_triangles",
+	    [MP_DEFECT_DUPLICATE_TRIANGLE] = "duplicate_triangles",
+	};
+	cJSON *defects = api_json_object(&d->j, root, "defects");
+	size_t left = MOST_DEFECT_TEXT;
+
+	for (int k = 0; k < MP_DEFECT_KINDS; k++) {
+		struct api_text t = {0};
+
+		if (!api_defects_text(d->r, (enum mp_defect_kind)k, left, &t))
+			d->lists_cut = true;
+		left -= t.len < left ? t.len : left;
+		api_json_text(&d->j, defects, names[k], &t);
+	}
+	api_json_bool(&d->j, defects, "truncated", d->r->topology.truncated || d->lists_cut);
+}
+
+static void add_tail(struct doc *d, cJSON *root, const struct api_timing *timing)
+{
+	const double ms[] = {timing->receive, timing->queue, timing->decode, timing->analyse};
+	static const char *const names[] = {"receive", "queue", "decode", "analyse"};
+	struct api_text warnings = {0};
+	cJSON *o = api_json_object(&d->j, root, "repairs");
+
+	api_json_count(&d->j, o, "flipped_triangles", d->r->flipped_triangles);
+	api_json_count(&d->j, o, "welded_vertices", 0);
+	(void)api_warnings_text(d->r, d->o, d->lists_cut, &warnings);
+	api_json_text(&d->j, root, "warnings", &warnings);
+	o = api_json_object(&d->j, root, "timing_ms");
+	for (int i = 0; i < 4; i++) /* whole microseconds */
+		api_json_value(&d->j, o, names[i], true, round(ms[i] * 1000) / 1000);
+}
+
+char *api_report_json(const struct mp_report *report, const struct api_options *options,
+		      const char *filename, const struct api_timing *timing, size_t *len)
+{
+	struct doc d = {.r = report, .o = options};
+	cJSON *root = api_json_begin(&d.j);
+	struct api_text bodies = {0};
+
+	api_json_string(&d.j, root, "schema", "masspropd/1");
+	api_json_null(&d.j, root, "precision");
+	add_input(&d, root, filename);
+	add_units(&d, root);
+	add_mesh(&d, root);
+	add_checks(&d, root);
+	add_properties(&d, root);
+	api_json_null(&d.j, root, "error_bounds");
+	api_bodies_text(report, &bodies);
+	api_json_text(&d.j, root, "bodies", &bodies);
+	add_defects(&d, root);
+	add_tail(&d, root, timing);
+	return api_json_finish(&d.j, len);
+}

@@ -1,0 +1,148 @@
+#include "api/report_lists.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "api/report_words.h"
+#include "api/warnings.h"
+
+/* Members after the first: ,"name": */
+static void member(struct api_text *t, const char *name)
+{
+	api_text_say(t, ",\"");
+	api_text_say(t, name);
+	api_text_say(t, "\":");
+}
+
+static void value(struct api_text *t, const char *name, bool defined, double x)
+{
+	member(t, name);
+	api_text_number(t, defined ? x : NAN);
+}
+
+static void nest(struct api_text *t, const struct mp_nest *n)
+{
+	member(t, "depth");
+	if (n->decided)
+		api_text_count(t, n->depth);
+	else
+		api_text_say(t, "null");
+	member(t, "parent");
+	if (n->decided && n->parent != MP_NO_BODY)
+		api_text_count(t, n->parent);
+	else
+		api_text_say(t, "null");
+}
+
+static void body_mass(struct api_text *t, const struct mp_mass *m, bool has_density)
+{
+	value(t, "volume", m->volume_defined, fabs(m->volume));
+	value(t, "signed_volume", m->volume_defined, m->volume);
+	value(t, "surface_area", m->area_defined, m->area);
+	value(t, "mass", m->mass_defined && has_density, m->mass);
+	member(t, "centroid");
+	if (m->centroid_defined)
+		api_text_vector(t, m->centroid, 3);
+	else
+		api_text_say(t, "null");
+	member(t, "inertia_about_centroid");
+	if (m->inertia_defined)
+		api_text_matrix(t, m->inertia);
+	else
+		api_text_say(t, "null");
+}
+
+static void body(struct api_text *t, const struct mp_body *b, bool has_density)
+{
+	api_text_say(t, "{\"triangles\":");
+	api_text_count(t, b->triangles);
+	body_mass(t, &b->mass, has_density);
+	member(t, "bounding_box");
+	api_text_say(t, "{\"min\":");
+	api_text_vector(t, b->box.min, 3);
+	member(t, "max");
+	api_text_vector(t, b->box.max, 3);
+	api_text_say(t, "}");
+	member(t, "watertight");
+	api_text_bool(t, b->watertight);
+	member(t, "orientation");
+	api_text_string(t, api_orientation_word(b->orientation),
+			strlen(api_orientation_word(b->orientation)));
+	nest(t, &b->nest);
+	member(t, "cavity");
+	api_text_bool(t, b->cavity);
+	member(t, "name");
+	if (b->name != NULL && b->name_len > 0)
+		api_text_string(t, b->name, b->name_len);
+	else
+		api_text_say(t, "null");
+	api_text_say(t, "}");
+}
+
+void api_bodies_text(const struct mp_report *r, struct api_text *out)
+{
+	api_text_say(out, "[");
+	for (uint32_t i = 0; i < r->bodies_listed; i++) {
+		if (i > 0)
+			api_text_say(out, ",");
+		body(out, &r->body[i], r->has_density);
+	}
+	api_text_say(out, "]");
+}
+
+static void defect(struct api_text *t, const struct mp_report *r, const struct mp_defect_list *d,
+		   size_t i)
+{
+	api_text_say(t, "{\"triangles\":[");
+	for (size_t k = d->triangle_at[i]; k < d->triangle_at[i + 1]; k++) {
+		if (k > d->triangle_at[i])
+			api_text_put(t, ",", 1);
+		api_text_count(t, d->triangles[k]);
+	}
+	api_text_say(t, "],\"vertices\":[");
+	for (size_t k = d->vertex_at[i]; k < d->vertex_at[i + 1]; k++) {
+		double xyz[3];
+
+		if (k > d->vertex_at[i])
+			api_text_put(t, ",", 1);
+		mp_vertices_get(r->vertices, d->vertices[k], xyz);
+		api_text_vector(t, xyz, 3);
+	}
+	api_text_say(t, "]}");
+}
+
+bool api_defects_text(const struct mp_report *r, enum mp_defect_kind kind, size_t most,
+		      struct api_text *out)
+{
+	const struct mp_defect_list *d = &r->topology.defect[kind];
+	size_t i = 0;
+
+	api_text_say(out, "[");
+	for (; i < d->count && out->len < most && !out->failed; i++) {
+		if (i > 0)
+			api_text_say(out, ",");
+		defect(out, r, d, i);
+	}
+	api_text_say(out, "]");
+	return i == d->count;
+}
+
+size_t api_warnings_text(const struct mp_report *r, const struct api_options *o, bool lists_cut,
+			 struct api_text *out)
+{
+	const struct api_warning *w;
+	size_t listed = 0;
+
+	api_text_say(out, "[");
+	for (size_t i = 0; (w = api_warning_row(i)) != NULL; i++) {
+		if (!api_warning_applies(i, r, o, lists_cut))
+			continue;
+		api_text_say(out, listed++ > 0 ? ",{\"code\":" : "{\"code\":");
+		api_text_string(out, w->code, strlen(w->code));
+		member(out, "message");
+		api_text_string(out, w->message, strlen(w->message));
+		api_text_say(out, "}");
+	}
+	api_text_say(out, "]");
+	return listed;
+}

@@ -1,0 +1,97 @@
+#include "api/warnings.h"
+
+enum { UNIT_ASSUMED = MP_WARNINGS, WARNINGS };
+
+static const struct api_warning rows[WARNINGS] = {
+    [MP_WARN_OPEN] =
+	{"open_mesh",
+	 "The surface has holes, so it encloses no volume: volume, mass, centroid and "
+	 "inertia are not given. Close the holes (checks and defects say where they are) "
+	 "and send the file again."},
+    [MP_WARN_CRACKS] =
+	{"cracks", "The surface is open only along cracks of no width, where an edge meets a "
+		   "vertex in its middle. Volume, mass, centroid and inertia are not affected."},
+    [MP_WARN_WINDING] =
+	{"inconsistent_winding",
+	 "Some neighbouring triangles face opposite ways, so inside and outside cannot "
+	 "be told apart: volume, mass, centroid and inertia are not given. Make all "
+	 "normals point outward and send the file again."},
+    [MP_WARN_NON_MANIFOLD] =
+	{"non_manifold_edges",
+	 "Some edges are shared by more than two triangles, as where two parts "
+	 "touch along an edge. The volume does not depend on it, but other programs "
+	 "may refuse the part."},
+    [MP_WARN_NON_MANIFOLD_VERTEX] =
+	{"non_manifold_vertices",
+	 "Some parts of the surface touch in a single point. The numbers do "
+	 "not depend on it, but other programs may refuse the part."},
+    [MP_WARN_INSIDE_OUT] =
+	{"inside_out", "The surface is closed but inside out. The numbers are those of the solid "
+		       "it means; signed_volume is negative. Reverse the normals, or send "
+		       "flip=true."},
+    [MP_WARN_MIXED_BODIES] =
+	{"mixed_bodies", "Some bodies are wound outward and others inward where they should not "
+			 "be, so that their volumes are partly added and partly subtracted. Check "
+			 "volume and mass body by body."},
+    [MP_WARN_CAVITY_OUTWARD] =
+	{"cavity_outward", "A body lies inside another and is wound outward, so its volume counts "
+			   "twice. If it is a cavity, reverse it: volume and mass are too large."},
+    [MP_WARN_ZERO_VOLUME] = {"zero_volume",
+			     "The surface is closed but encloses no volume, as a flat part or one "
+			     "drawn with both sides does: centroid and inertia are not given."},
+    [MP_WARN_OUT_OF_RANGE] = {"out_of_range",
+			      "Some result is too large or too small for a double-precision number "
+			      "and is given as null. A coarser or finer unit may help."},
+    [MP_WARN_DEGENERATE] = {"degenerate_triangles",
+			    "Some triangles have no area. They add nothing to area, volume or "
+			    "inertia."},
+    [MP_WARN_DUPLICATE] =
+	{"duplicate_triangles",
+	 "Some triangles occur more than once. Each counts as often as it occurs, "
+	 "in the surface area too."},
+    [MP_WARN_NORMALS] =
+	{"normals_disagreeing",
+	 "Some normals stored in the file point the other way than the order of the "
+	 "corners says. The stored normals are not used; the order of the corners "
+	 "decides."},
+    [MP_WARN_TRAILING_BYTES] =
+	{"trailing_bytes", "There are bytes behind the last triangle. They were passed over; all "
+			   "triangles that the file announces are there."},
+    [MP_WARN_MISSING_END] =
+	{"missing_endsolid",
+	 "The file does not end as it should (endsolid is missing). If it was cut "
+	 "off, triangles may be missing: see whether the mesh is closed."},
+    [MP_WARN_NONSTANDARD] = {"nonstandard_lines",
+			     "Some lines do not belong to the format and were passed over. If they "
+			     "were meant to be geometry, it is missing here."},
+    [MP_WARN_SEVERAL_SOLIDS] =
+	{"several_solids", "The file holds several solids. They are taken together as one part; "
+			   "the list of bodies has their separate figures."},
+    [MP_WARN_NESTING_UNDECIDED] =
+	{"nesting_undecided", "It was not decided which bodies lie inside which, so it is not "
+			      "known whether some volume counts twice. Each body's own figures do "
+			      "not depend on it."},
+    [MP_WARN_DEFECTS_TRUNCATED] =
+	{"defects_truncated", "There are more defects than are listed. The counts under checks are "
+			      "complete; ask for more with the option defects."},
+    [UNIT_ASSUMED] =
+	{"unit_assumed",
+	 "No unit was given and the file does not say one, so its numbers were taken as "
+	 "millimetres. If they are inches, send unit=in: otherwise the mass is wrong by a "
+	 "factor of 16387."},
+};
+
+const struct api_warning *api_warning_row(size_t i)
+{
+	return i < WARNINGS ? &rows[i] : NULL;
+}
+
+bool api_warning_applies(size_t i, const struct mp_report *report,
+			 const struct api_options *options, bool lists_cut)
+{
+	if (i == UNIT_ASSUMED)
+		return !options->unit_given;
+	if (i == MP_WARN_DEFECTS_TRUNCATED && lists_cut)
+		return true;
+	return i < MP_WARNINGS && MP_WARNED(report, i);
+}
