@@ -1,0 +1,197 @@
+#include "server/calc.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include "api/job.h"
+#include "api/options.h"
+#include "api/report_table.h"
+#include "server/clock.h"
+
+enum { GOOD = 0, NOT_SOLID = 1, UNREADABLE = 2 };
+
+struct calc {
+	bool json;
+	char *query; /* the options as a URL's query: one parser serves both */
+	size_t query_len;
+	int files;
+};
+
+static int append(struct calc *c, const char *text, size_t len, bool escape)
+{
+	static const char hex[] = "0123456789ABCDEF";
+	char *grown = realloc(c->query, c->query_len + 3 * len + 2);
+
+	if (grown == NULL)
+		return -1;
+	c->query = grown;
+	for (size_t i = 0; i < len; i++) {
+		unsigned char ch = (unsigned char)text[i];
+
+		if (escape) {
+			c->query[c->query_len++] = '%';
+			c->query[c->query_len++] = hex[ch >> 4];
+			c->query[c->query_len++] = hex[ch & 15];
+		} else {
+			c->query[c->query_len++] = text[i];
+		}
+	}
+	c->query[c->query_len] = '\0';
+	return 0;
+}
+
+static int add_option(struct calc *c, const char *name, size_t len, const char *value)
+{
+	return append(c, "&", c->query_len > 0, false) != 0 || append(c, name, len, true) != 0 ||
+		       append(c, "=", 1, false) != 0 || append(c, value, strlen(value), true) != 0
+		   ? -1
+		   : 0;
+}
+
+static void help(void)
+{
+	(void)puts("usage: masspropd calc [OPTIONS] FILE...   (- is standard input)\n\n"
+		   "  --json    one report a line as JSON, the same as the service answers\n"
+		   "  --help    this text\n\n"
+		   "and the service's options, as --NAME VALUE or --NAME=VALUE (see README.md):");
+	for (size_t i = 0; api_option_name(i) != NULL; i++)
+		(void)printf("  --%s\n", api_option_name(i));
+	(void)puts("\nexit status: 0 good, 1 some mesh is no solid (with --strict), "
+		   "2 some file could not be read");
+}
+
+static bool is_boolean(const char *name, size_t len)
+{
+	return (len == 6 && memcmp(name, "strict", 6) == 0) ||
+	       (len == 4 && memcmp(name, "flip", 4) == 0);
+}
+
+/* One flag at argv[*at]; -1: print help (0 arguments wrong) or misuse. */
+static int flag(struct calc *c, int argc, char **argv, int *at)
+{
+	const char *name = argv[*at] + 2, *equals = strchr(name, '=');
+	size_t len = equals != NULL ? (size_t)(equals - name) : strlen(name);
+
+	if (strcmp(name, "json") == 0) {
+		c->json = true;
+		return 0;
+	}
+	if (equals != NULL)
+		return add_option(c, name, len, equals + 1);
+	if (is_boolean(name, len) && (*at + 1 >= argc || (strcmp(argv[*at + 1], "true") != 0 &&
+							  strcmp(argv[*at + 1], "false") != 0)))
+		return add_option(c, name, len, "true");
+	if (*at + 1 >= argc) {
+		(void)fprintf(stderr, "masspropd calc: --%s needs a value\n", name);
+		return -1;
+	}
+	return add_option(c, name, len, argv[++*at]);
+}
+
+static int feed(struct api_job *job, int fd)
+{
+	static uint8_t chunk[256 << 10];
+	ssize_t n;
+
+	while ((n = read(fd, chunk, sizeof chunk)) > 0)
+		if (api_job_push(job, chunk, (size_t)n) != 0)
+			break;
+	return n < 0 ? -1 : 0;
+}
+
+static void print_table(const char *json, size_t len)
+{
+	char *table = api_report_table(json, len);
+
+	(void)fputs(table != NULL ? table : json, stdout);
+	free(table);
+}
+
+static int print(const struct calc *c, const char *file, const struct api_answer *a)
+{
+	if (a->status == 200 || c->json) {
+		if (c->json)
+			(void)printf("%s\n", a->body);
+		else
+			print_table(a->body, a->len);
+	}
+	if (a->status == 200)
+		return GOOD;
+	(void)fprintf(stderr, "masspropd calc: %s: %s\n", file, a->detail);
+	return a->code == API_NOT_A_SOLID ? NOT_SOLID : UNREADABLE;
+}
+
+static const char *base_name(const char *file)
+{
+	const char *slash = strrchr(file, '/');
+
+	return slash != NULL ? slash + 1 : file;
+}
+
+static int one_file(const struct calc *c, const char *file)
+{
+	bool standard = strcmp(file, "-") == 0;
+	struct api_job_head head = {.query = c->query,
+				    .query_len = c->query_len,
+				    .filename = standard ? NULL : base_name(file),
+				    .instance = "calc",
+				    .request_id = "calc",
+				    .limits = {UINT64_MAX, 1400000000},
+				    .now = srv_now};
+	int fd = standard ? STDIN_FILENO : open(file, O_RDONLY | O_CLOEXEC), verdict = UNREADABLE;
+	struct api_job *job;
+	struct api_answer answer;
+	double began = srv_now();
+
+	if (fd < 0) {
+		(void)fprintf(stderr, "masspropd calc: %s: %s\n", file, strerror(errno));
+		return UNREADABLE;
+	}
+	(void)!getrandom(head.key, sizeof head.key, 0);
+	job = api_job_new(&head);
+	if (job == NULL || feed(job, fd) != 0) {
+		(void)fprintf(stderr, "masspropd calc: %s: %s\n", file, strerror(errno));
+	} else {
+		api_job_answer(job, 1e3 * (srv_now() - began), 0, &answer);
+		verdict = print(c, file, &answer);
+		api_answer_free(&answer);
+	}
+	api_job_free(job);
+	if (!standard)
+		close(fd);
+	return verdict;
+}
+
+int srv_calc_main(int argc, char **argv)
+{
+	struct calc c = {.json = false};
+	int worst = GOOD;
+
+	for (int i = 1; i < argc; i++) {
+		if (strcmp(argv[i], "--help") == 0) {
+			help();
+			return GOOD;
+		}
+		if (strncmp(argv[i], "--", 2) != 0)
+			argv[1 + c.files++] = argv[i];
+		else if (flag(&c, argc, argv, &i) != 0)
+			return UNREADABLE;
+	}
+	if (c.files == 0) {
+		(void)fputs("masspropd calc: no file given (see masspropd calc --help)\n", stderr);
+		return UNREADABLE;
+	}
+	for (int i = 1; i <= c.files; i++) {
+		int verdict = one_file(&c, argv[i]);
+
+		worst = verdict > worst ? verdict : worst;
+	}
+	free(c.query);
+	return fflush(stdout) == 0 ? worst : UNREADABLE;
+}

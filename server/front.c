@@ -1,0 +1,185 @@
+#include "server/front.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <unistd.h>
+
+#include "api/capabilities.h"
+#include "server/channel.h"
+#include "server/clock.h"
+#include "server/front_private.h"
+#include "server/http.h"
+
+enum { EVENTS = 64, TICK_MS = 100 };
+
+int srv_front_watch(struct srv_front *f, int fd, enum srv_event kind, unsigned index,
+		    uint32_t events)
+{
+	struct epoll_event e = {.events = events, .data.u64 = (uint64_t)kind << 32 | index};
+
+	return epoll_ctl(f->epoll, EPOLL_CTL_ADD, fd, &e);
+}
+
+static void obey(struct srv_front *f, const struct srv_order *order, const int *fd, size_t fds)
+{
+	if (order->kind == SRV_ORDER_WORKER_NEW && fds == 2) {
+		srv_pool_add(&f->pool, order->slot, order->pid, fd[0], fd[1]);
+		return;
+	}
+	for (size_t i = 0; i < fds; i++)
+		close(fd[i]);
+	if (order->kind == SRV_ORDER_WORKER_GONE)
+		srv_pool_gone(&f->pool, order->slot, order->pid, order->status);
+	if (order->kind == SRV_ORDER_DRAIN && !f->draining) {
+		f->draining = true;
+		f->drain_began = srv_now();
+	}
+}
+
+static void hear_master(struct srv_front *f)
+{
+	struct srv_order order;
+	ssize_t n;
+
+	for (;;) {
+		int fd[2] = {-1, -1};
+		size_t fds = 2;
+
+		n = srv_channel_receive(f->gift->master, &order, sizeof order, fd, &fds);
+		if (n != (ssize_t)sizeof order)
+			break;
+		obey(f, &order, fd, fds);
+	}
+	if (n == 0)
+		_exit(1); /* no master, no workers */
+}
+
+static void handle(struct srv_front *f, const struct epoll_event *e)
+{
+	unsigned index = (unsigned)(e->data.u64 & 0xffffffffu);
+
+	switch ((enum srv_event)(e->data.u64 >> 32)) {
+	case SRV_EV_LISTENER:
+		if (!f->refusing)
+			srv_http_accept(f->http, f->gift->listener[index]);
+		break;
+	case SRV_EV_MASTER:
+		hear_master(f);
+		break;
+	case SRV_EV_WORKER:
+		srv_pool_hear(&f->pool, index);
+		break;
+	case SRV_EV_CLIENT:
+		srv_http_client_event(f->http, (int)index, e->events);
+		break;
+	case SRV_EV_HTTP:
+		break; /* the library runs after every round */
+	}
+}
+
+static void tick_drain(struct srv_front *f, double now)
+{
+	double since = now - f->drain_began;
+
+	if (!f->draining || since < f->config->drain_delay)
+		return;
+	if (!f->refusing) {
+		f->refusing = true;
+		for (unsigned i = 0; i < f->gift->listeners; i++)
+			(void)epoll_ctl(f->epoll, EPOLL_CTL_DEL, f->gift->listener[i], NULL);
+	}
+	if (srv_http_connections(f->http) == 0 ||
+	    since > f->config->drain_delay + f->config->drain_timeout)
+		f->stop = true;
+}
+
+static void tick(struct srv_front *f, double now)
+{
+	struct srv_exchange *next;
+
+	for (struct srv_exchange *ex = f->exchanges; ex != NULL; ex = next) {
+		next = ex->next;
+		srv_exchange_tick(ex, now);
+	}
+	srv_pool_tick(&f->pool, now);
+	srv_http_tick(f->http, now, f->refusing);
+	tick_drain(f, now);
+}
+
+static int wait_ms(struct srv_front *f)
+{
+	int ms = srv_http_timeout(f->http);
+
+	return ms >= 0 && ms < TICK_MS ? ms : TICK_MS;
+}
+
+static void loop(struct srv_front *f)
+{
+	struct epoll_event event[EVENTS];
+	double ticked = srv_now();
+
+	while (!f->stop) {
+		int n = epoll_wait(f->epoll, event, EVENTS, wait_ms(f));
+		double now;
+
+		for (int i = 0; i < n; i++)
+			handle(f, &event[i]);
+		srv_http_run(f->http);
+		now = srv_now();
+		if (now - ticked >= 1e-3 * TICK_MS) {
+			ticked = now;
+			tick(f, now);
+			srv_http_run(f->http);
+		}
+	}
+}
+
+static int make_capabilities(struct srv_front *f)
+{
+	struct api_limits_in_force limits = {.max_body = f->config->max_body,
+					     .max_decoded = f->config->max_decoded,
+					     .max_triangles = f->config->max_triangles,
+					     .deadline_s = f->config->deadline,
+					     .workers = (unsigned)f->config->workers};
+
+	f->capabilities = api_capabilities_json(&limits, &f->capabilities_len);
+	return f->capabilities != NULL ? 0 : -1;
+}
+
+static int set_up(struct srv_front *f)
+{
+	f->epoll = epoll_create1(EPOLL_CLOEXEC);
+	if (f->epoll < 0 || srv_pool_init(&f->pool, f) != 0 || make_capabilities(f) != 0)
+		return -1;
+	f->http = srv_http_start(f);
+	if (f->http == NULL ||
+	    srv_front_watch(f, srv_http_epoll(f->http), SRV_EV_HTTP, 0, EPOLLIN) != 0 ||
+	    srv_front_watch(f, f->gift->master, SRV_EV_MASTER, 0, EPOLLIN) != 0)
+		return -1;
+	for (unsigned i = 0; i < f->gift->listeners; i++)
+		if (srv_front_watch(f, f->gift->listener[i], SRV_EV_LISTENER, i, EPOLLIN) != 0)
+			return -1;
+	return 0;
+}
+
+int srv_front_run(const struct srv_front_gift *gift)
+{
+	struct srv_front f = {
+	    .gift = gift, .config = gift->config, .budget = {gift->spool_budget, 0}};
+	struct srv_order ready = {.kind = SRV_ORDER_READY};
+
+	if (set_up(&f) != 0) {
+		srv_log(SRV_ERROR, "cannot begin: %s", strerror(errno));
+		return 1;
+	}
+	if (srv_channel_send(gift->master, &ready, sizeof ready, NULL, 0) != 0)
+		return 1;
+	loop(&f);
+	srv_http_stop(f.http);
+	free(f.pool.worker);
+	free(f.capabilities);
+	close(f.epoll);
+	return 0;
+}

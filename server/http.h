@@ -1,0 +1,41 @@
+#ifndef SRV_HTTP_H
+#define SRV_HTTP_H
+
+#include "server/exchange.h"
+
+/* HTTP by libmicrohttpd: the one place that knows it.  External epoll mode, no thread. */
+
+struct srv_http;
+struct srv_front;
+
+/* NULL: could not start. */
+struct srv_http *srv_http_start(struct srv_front *);
+void srv_http_stop(struct srv_http *);
+
+/* The descriptor to watch for reading. */
+int srv_http_epoll(struct srv_http *);
+
+/* A listening socket is readable: take what waits, up to a bounded number. */
+void srv_http_accept(struct srv_http *, int listener);
+
+/* Do what is ready. */
+void srv_http_run(struct srv_http *);
+
+/* Milliseconds until srv_http_run() is due without any event; -1: never. */
+int srv_http_timeout(struct srv_http *);
+
+/* Something happened to a client's socket: its end, an error. */
+void srv_http_client_event(struct srv_http *, int fd, uint32_t events);
+
+void srv_http_resume(struct srv_exchange *); /* nothing where it is not suspended */
+void srv_http_shut(struct srv_exchange *);   /* end the connection under it */
+
+/* Send the answer of ${ex} past the library, as far as the socket takes it at once. */
+void srv_http_last_words(struct srv_exchange *);
+
+/* Head deadlines; with ${drain} connections without a request are ended. */
+void srv_http_tick(struct srv_http *, double now, bool drain);
+
+unsigned srv_http_connections(const struct srv_http *);
+
+#endif

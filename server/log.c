@@ -1,0 +1,131 @@
+#include "server/log.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static struct {
+	enum srv_level most;
+	bool json;
+	const char *role;
+} log_state = {SRV_INFO, false, "masspropd"};
+
+static const char *const level_name[] = {"error", "warn", "info", "debug"};
+
+void srv_log_setup(enum srv_level most, bool json, const char *role)
+{
+	log_state.most = most;
+	log_state.json = json;
+	log_state.role = role;
+}
+
+void srv_log_role(const char *role)
+{
+	log_state.role = role;
+}
+
+bool srv_log_wants(enum srv_level level)
+{
+	return level <= log_state.most;
+}
+
+/* Copy ${s} so that it can stand inside quotes in JSON and text alike: printable ASCII only. */
+static const char *escape(const char *s, char *out, size_t size)
+{
+	static const char hex[] = "0123456789abcdef";
+	size_t n = 0;
+
+	for (; s != NULL && *s != '\0' && n + 7 < size; s++) {
+		unsigned char c = (unsigned char)*s;
+
+		if (c < 0x20 || c > 0x7e || c == '"' || c == '\\') {
+			memcpy(out + n, "\\u00", 4);
+			out[n + 4] = hex[c >> 4];
+			out[n + 5] = hex[c & 15];
+			n += 6;
+		} else {
+			out[n++] = (char)c;
+		}
+	}
+	out[n] = '\0';
+	return out;
+}
+
+static void stamp(char out[40])
+{
+	struct timespec ts;
+	struct tm tm;
+	size_t n;
+
+	clock_gettime(CLOCK_REALTIME, &ts);
+	gmtime_r(&ts.tv_sec, &tm);
+	n = strftime(out, 40, "%Y-%m-%dT%H:%M:%S", &tm);
+	(void)snprintf(out + n, 40 - n, ".%03ldZ", ts.tv_nsec / 1000000);
+}
+
+static void emit(char *line, int n, size_t size)
+{
+	size_t len = n < 0 ? 0 : (size_t)n < size - 1 ? (size_t)n : size - 2;
+
+	line[len++] = '\n';
+	while (len > 0) {
+		ssize_t put = write(STDERR_FILENO, line, len);
+
+		if (put <= 0)
+			return; /* a log that nobody reads must not stop the service */
+		line += put;
+		len -= (size_t)put;
+	}
+}
+
+void srv_log(enum srv_level level, const char *fmt, ...)
+{
+	char text[512], safe[1024], when[40], line[1400];
+	va_list ap;
+	int n;
+
+	if (!srv_log_wants(level))
+		return;
+	va_start(ap, fmt);
+	(void)vsnprintf(text, sizeof text, fmt, ap);
+	va_end(ap);
+	stamp(when);
+	n = log_state.json
+		? snprintf(line, sizeof line,
+			   "{\"time\":\"%s\",\"level\":\"%s\",\"role\":\"%s\",\"message\":\"%s\"}",
+			   when, level_name[level], log_state.role, escape(text, safe, sizeof safe))
+		: snprintf(line, sizeof line, "%s %s %s: %s", when, level_name[level],
+			   log_state.role, escape(text, safe, sizeof safe));
+	emit(line, n, sizeof line);
+}
+
+void srv_log_access(const struct srv_access *a)
+{
+	char path[300], id[80], when[40], line[1200];
+	int n;
+
+	if (!srv_log_wants(SRV_INFO))
+		return;
+	stamp(when);
+	escape(a->path, path, sizeof path);
+	escape(a->id, id, sizeof id);
+	if (log_state.json)
+		n = snprintf(
+		    line, sizeof line,
+		    "{\"time\":\"%s\",\"level\":\"info\",\"role\":\"%s\",\"request_id\":\"%s\","
+		    "\"client\":\"%s\",\"method\":\"%s\",\"path\":\"%s\",\"status\":%d,"
+		    "\"code\":\"%s\",\"format\":\"%s\",\"received\":%llu,\"sent\":%llu,"
+		    "\"ms\":%.3f}",
+		    when, log_state.role, id, a->client, a->method, path, a->status, a->code,
+		    a->format, a->received, a->sent, 1e3 * a->seconds);
+	else
+		n = snprintf(
+		    line, sizeof line,
+		    "%s info %s: %s %s %s %d%s%s%s%s received=%llu sent=%llu ms=%.3f id=%s", when,
+		    log_state.role, a->client, a->method, path, a->status, *a->code ? " " : "",
+		    a->code, *a->format ? " format=" : "", a->format, a->received, a->sent,
+		    1e3 * a->seconds, id);
+	emit(line, n, sizeof line);
+}

@@ -1,0 +1,88 @@
+#ifndef SRV_SEGMENT_H
+#define SRV_SEGMENT_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "api/job.h"
+
+/*
+ * The shared memory between the front and one worker: the words of the request, a ring through
+ * which its body flows, and the answer.  The front trusts nothing that it reads from it: the
+ * worker on the other side has met the uploader's bytes.
+ */
+enum {
+	SRV_RING = 1 << 20,       /* bytes, a power of two */
+	SRV_ANSWER = 256 << 10,   /* a longer answer travels as a descriptor */
+	SRV_QUERY_MAX = 16 << 10, /* longest query that is taken */
+	SRV_HEADER_MAX = 512,     /* longest Content-Type or Content-Encoding */
+	SRV_ID_MAX = 64,
+	SRV_FORMAT_NAME = 16
+};
+
+struct srv_words { /* front to worker */
+	char query[SRV_QUERY_MAX];
+	uint32_t query_len;
+	bool has_content_type, has_content_encoding;
+	char content_type[SRV_HEADER_MAX], content_encoding[SRV_HEADER_MAX];
+	char instance[32], request_id[SRV_ID_MAX + 1];
+	uint64_t spooled; /* bytes of the body that come first, from the descriptor sent along */
+};
+
+struct srv_result {           /* worker to front */
+	int32_t status, code; /* HTTP, enum api_code */
+	uint64_t len, triangles, bytes;
+	double decode_ms, analyse_ms;
+	char format[SRV_FORMAT_NAME];
+	char content_type[64];
+};
+
+struct srv_segment {
+	_Atomic uint64_t head;         /* bytes that the front has put in, ever */
+	_Atomic uint64_t tail;         /* bytes that the worker has taken out, ever */
+	_Atomic uint32_t ended;        /* no more bytes behind head */
+	_Atomic uint32_t cancelled;    /* nobody wants the answer any more */
+	_Atomic uint32_t front_waits;  /* tell the front when there is room */
+	_Atomic uint32_t worker_waits; /* tell the worker when there are bytes */
+	double receive_ms, queue_ms;   /* set before ended */
+	struct srv_words words;
+	struct srv_result result;
+	uint8_t ring[SRV_RING];
+	char answer[SRV_ANSWER];
+};
+
+/* Messages on the socket pair, one byte each; JOB and ANSWER may bring a descriptor along. */
+enum srv_message {
+	SRV_MSG_JOB = 'J',    /* front: words are there, the body begins */
+	SRV_MSG_WAKE = 'W',   /* front: bytes, the end, or a cancellation */
+	SRV_MSG_ROOM = 'R',   /* worker: the ring has room again */
+	SRV_MSG_ANSWER = 'A', /* worker: result is there, the worker is free */
+	SRV_MSG_IDLE = 'I'    /* worker: the cancelled job is dropped, the worker is free */
+};
+
+/* Front: empty the ring for the next job. Legal only while the worker is idle. */
+void srv_ring_reset(struct srv_segment *);
+
+/*
+ * Front: put up to ${len} bytes in; returns how many fitted.  Sets ${*wake} where the worker
+ * sleeps and must be told.  Less than ${len}: front_waits is set, a ROOM message will come.
+ */
+size_t srv_ring_put(struct srv_segment *, const uint8_t *bytes, size_t len, bool *wake);
+
+/* Front: no more bytes will come.  Sets ${*wake} as above. */
+void srv_ring_end(struct srv_segment *, bool *wake);
+
+/*
+ * Worker: the next contiguous bytes (at most SRV_RING / 8, so that room is made early), 0 if none
+ * are there; ${*ended} tells whether more can come.  srv_ring_take() gives them back and returns
+ * true where the front waits and must be told.
+ */
+size_t srv_ring_peek(struct srv_segment *, const uint8_t **bytes, bool *ended);
+bool srv_ring_take(struct srv_segment *, size_t len);
+
+/* Worker: about to sleep; false where bytes, the end or a cancellation came meanwhile. */
+bool srv_ring_sleep(struct srv_segment *);
+
+#endif

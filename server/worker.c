@@ -1,0 +1,199 @@
+#include "server/worker.h"
+
+#include <errno.h>
+#include <malloc.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include "server/channel.h"
+#include "server/clock.h"
+
+/* Memory above this is given back after a job; below it stays, mapped and warm, for the next. */
+enum { KEEP = 64 << 20 };
+
+struct worker {
+	const struct srv_config *config;
+	int sock;
+	struct srv_segment *segment;
+};
+
+static void tell(struct worker *w, enum srv_message what, const int *fd, size_t fds)
+{
+	char byte = (char)what;
+
+	if (srv_channel_send(w->sock, &byte, 1, fd, fds) != 0)
+		_exit(errno == EPIPE || errno == ECONNRESET ? 0 : 3);
+}
+
+/* The next message; exits where the front is gone. */
+static char hear(struct worker *w, int *fd)
+{
+	size_t fds = 1;
+	char byte = 0;
+
+	*fd = -1;
+	if (srv_channel_receive(w->sock, &byte, 1, fd, &fds) <= 0)
+		_exit(0);
+	if (fds == 0)
+		*fd = -1;
+	return byte;
+}
+
+static bool cancelled(const struct worker *w)
+{
+	return atomic_load(&w->segment->cancelled) != 0;
+}
+
+/* The bytes that were spooled before this worker was free.  False: cancelled or unreadable. */
+static bool feed_spooled(struct worker *w, struct api_job *job, int fd)
+{
+	static uint8_t chunk[256 << 10];
+	uint64_t left = w->segment->words.spooled, at = 0;
+
+	while (left > 0) {
+		size_t want = left < sizeof chunk ? (size_t)left : sizeof chunk;
+		ssize_t n = cancelled(w) ? 0 : pread(fd, chunk, want, (off_t)at);
+
+		if (n <= 0)
+			return false;
+		if (api_job_push(job, chunk, (size_t)n) != 0)
+			return true;
+		at += (uint64_t)n;
+		left -= (uint64_t)n;
+	}
+	return true;
+}
+
+/* The bytes that flow through the ring, until their end or a verdict.  False: cancelled. */
+static bool feed_ring(struct worker *w, struct api_job *job)
+{
+	for (;;) {
+		const uint8_t *bytes;
+		bool ended;
+		size_t n = srv_ring_peek(w->segment, &bytes, &ended);
+		int fd;
+
+		if (cancelled(w))
+			return false;
+		if (n > 0) {
+			int verdict = api_job_push(job, bytes, n);
+
+			if (srv_ring_take(w->segment, n))
+				tell(w, SRV_MSG_ROOM, NULL, 0);
+			if (verdict != 0)
+				return true;
+		} else if (ended) {
+			return true;
+		} else if (srv_ring_sleep(w->segment)) {
+			(void)hear(w, &fd);
+			if (fd >= 0)
+				close(fd);
+		}
+	}
+}
+
+static int put_all(int fd, const char *bytes, size_t len)
+{
+	while (len > 0) {
+		ssize_t n = write(fd, bytes, len);
+
+		if (n <= 0)
+			return -1;
+		bytes += n;
+		len -= (size_t)n;
+	}
+	return 0;
+}
+
+static void copy_text(char *to, size_t size, const char *from)
+{
+	size_t n = strnlen(from, size - 1);
+
+	memcpy(to, from, n);
+	to[n] = '\0';
+}
+
+static void send_answer(struct worker *w, const struct api_answer *a)
+{
+	struct srv_result *r = &w->segment->result;
+	int fd = -1;
+
+	memset(r, 0, sizeof *r);
+	r->status = a->status;
+	r->code = (int32_t)a->code;
+	r->len = a->len;
+	r->triangles = a->triangles;
+	r->bytes = a->bytes;
+	r->decode_ms = a->timing.decode;
+	r->analyse_ms = a->timing.analyse;
+	copy_text(r->format, sizeof r->format, a->format);
+	copy_text(r->content_type, sizeof r->content_type, a->content_type);
+	if (a->len <= SRV_ANSWER) {
+		memcpy(w->segment->answer, a->body, a->len);
+	} else {
+		fd = memfd_create("answer", MFD_CLOEXEC);
+		if (fd < 0 || put_all(fd, a->body, a->len) != 0)
+			_exit(4); /* the front answers for us */
+	}
+	tell(w, SRV_MSG_ANSWER, &fd, fd >= 0);
+	if (fd >= 0)
+		close(fd);
+}
+
+static struct api_job *begin(struct worker *w)
+{
+	struct srv_words *words = &w->segment->words;
+	struct api_job_head head = {
+	    .query = words->query,
+	    .query_len = words->query_len,
+	    .content_type = words->has_content_type ? words->content_type : NULL,
+	    .content_encoding = words->has_content_encoding ? words->content_encoding : NULL,
+	    .instance = words->instance,
+	    .request_id = words->request_id,
+	    .limits = {w->config->max_decoded, w->config->max_triangles},
+	    .now = srv_now};
+
+	if (getrandom(head.key, sizeof head.key, 0) != (ssize_t)sizeof head.key)
+		_exit(5);
+	return api_job_new(&head);
+}
+
+static void work(struct worker *w, int spool)
+{
+	struct api_job *job = begin(w);
+	struct api_answer answer;
+	bool wanted;
+
+	if (job == NULL)
+		_exit(6); /* no memory even for that: a fresh process is the best answer */
+	wanted =
+	    (w->segment->words.spooled == 0 || feed_spooled(w, job, spool)) && feed_ring(w, job);
+	if (wanted) {
+		api_job_answer(job, w->segment->receive_ms, w->segment->queue_ms, &answer);
+		send_answer(w, &answer);
+		api_answer_free(&answer);
+	}
+	api_job_free(job);
+	if (!wanted)
+		tell(w, SRV_MSG_IDLE, NULL, 0);
+}
+
+void srv_worker_run(const struct srv_config *config, int sock, struct srv_segment *segment)
+{
+	struct worker w = {config, sock, segment};
+
+	/* Fresh pages cost more than anything that is done with them: keep what was touched. */
+	mallopt(M_MMAP_THRESHOLD, 1 << 30);
+	mallopt(M_TRIM_THRESHOLD, KEEP);
+	for (;;) {
+		int spool;
+
+		if (hear(&w, &spool) == SRV_MSG_JOB)
+			work(&w, spool);
+		if (spool >= 0)
+			close(spool);
+	}
+}

@@ -1,0 +1,14 @@
+#ifndef SRV_WORKER_H
+#define SRV_WORKER_H
+
+#include "server/config.h"
+#include "server/segment.h"
+
+/*
+ * A worker's whole life: take one job after the other from ${sock} and ${segment} until the
+ * socket ends.  Never returns; exits 0 when the front is gone.
+ */
+_Noreturn void srv_worker_run(const struct srv_config *config, int sock,
+			      struct srv_segment *segment);
+
+#endif
