@@ -1,0 +1,195 @@
+# masspropd: `make` builds build/masspropd, `make run` serves it, `make test` tests it, `make help`
+# lists the rest.  `run`, `test`, `check`, `fuzz` and `coverage` install what they lack (tests/deps).
+#
+# CC=clang          another compiler           SANITIZE=address,undefined  in a folder of its own
+# CFLAGS='-O0 -g'   other optimisation         V=1                         show whole commands
+# LISTEN=HOST:PORT  where `make run` serves    T='PATTERN...'              which tests to run
+
+PREFIX ?= /usr/local
+LISTEN ?= 127.0.0.1:8080
+TIME   ?= 60
+CFLAGS ?= -O2 -g
+ifeq ($(origin CC),default)
+CC     := gcc
+endif
+
+# One folder for every kind of build, so that their objects never meet.
+empty    :=
+space    := $(empty) $(empty)
+comma    := ,
+BUILD    := build
+ifneq ($(SANITIZE),)
+BUILD    := build/$(subst $(space),-,$(subst $(comma),-,$(SANITIZE)))
+endif
+ifneq ($(COVERAGE),)
+BUILD    := build/coverage
+endif
+
+WARN     := -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+# A fused multiply-add would break the error bounds; -ffast-math is out of the question.
+MATH     := -ffp-contract=off -fno-math-errno
+DEFINES  := -I. -I$(BUILD)/gen -D_GNU_SOURCE
+LDLIBS   := -lmicrohttpd -lcjson -lseccomp -lzstd -lz -lgmp -lm
+
+machine  := $(shell $(CC) -dumpmachine 2>/dev/null)
+HARDEN   := -fstack-protector-strong
+HARDEN   += $(if $(filter x86_64-% i%86-%,$(machine)),-fstack-clash-protection -fcf-protection)
+HARDEN   += $(if $(filter aarch64-%,$(machine)),-mbranch-protection=standard)
+HARDEN   += $(if $(filter -O1 -O2 -O3 -Os,$(CFLAGS)),-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3)
+LINK     := -pie -Wl,-z,relro,-z,now,-z,noexecstack -Wl,--as-needed
+ifneq ($(SANITIZE),)
+# MP_SANITIZED: the program leaves out memory limits and seccomp, which sanitizers cannot live with.
+HARDEN   := -fsanitize=$(SANITIZE) -fno-sanitize-recover=all -fno-omit-frame-pointer
+DEFINES  += -DMP_SANITIZED=1
+LINK     := -pie -fsanitize=$(SANITIZE)
+endif
+ifneq ($(COVERAGE),)
+HARDEN   := --coverage -O0
+LINK     := -pie --coverage
+endif
+
+# Optimisation of single files, in the place of -O2: opt_FOLDER/NAME.c.
+opt_core/moments.c := -O3
+
+optimised = $(patsubst -O2,$(or $(opt_$<),-O2),$(CFLAGS))
+compile   = $(CC) $(DEFINES) $(CPPFLAGS) -std=c11 $(WARN) -fPIE $(optimised) $(HARDEN) $(MATH)
+link      = $(CC) $(LINK) $(LDFLAGS)
+quoted    = $(subst ','\'',$(text))
+objects   = $(patsubst %.c,$(BUILD)/%.o,$(1))
+
+core      := $(wildcard core/*.c)
+api       := $(wildcard api/*.c)
+server    := $(filter-out server/main.c,$(wildcard server/*.c))
+generated := $(patsubst core/gen/gen_%.c,$(BUILD)/gen/%_table.h,$(wildcard core/gen/gen_*.c))
+libs      := $(BUILD)/libserver.a $(BUILD)/libapi.a $(BUILD)/libmasspropd.a
+unit      := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/unit/test_*.c))
+unit_help := $(call objects,$(filter-out tests/unit/test_%,$(wildcard tests/unit/*.c)))
+fuzz      := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
+wrap      := $(if $(unit_help),-Wl$(comma)--wrap=malloc$(comma)--wrap=calloc$(comma)--wrap=realloc)
+tests     := $(unit) $(fuzz) $(BUILD)/sample/flange.stl
+
+# All cores, unless somebody said otherwise with -j.
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
+endif
+MAKEFLAGS += --no-print-directory
+Q := $(if $(V),,@)
+say = $(if $(V)$(findstring s,$(firstword -$(MAKEFLAGS))),,@printf '  %-4s %s\n' '$(1)' '$(2)')
+
+all: $(BUILD)/masspropd
+
+$(BUILD)/masspropd: $(BUILD)/server/main.o $(libs)
+	$(call say,LD,$@)
+	$(Q)$(link) -o $@ $^ $(LDLIBS)
+$(BUILD)/libmasspropd.a: $(call objects,$(core)) $(BUILD)/stamp/core
+$(BUILD)/libapi.a: $(call objects,$(api)) $(BUILD)/stamp/api
+$(BUILD)/libserver.a: $(call objects,$(server)) $(BUILD)/stamp/server
+$(BUILD)/%.a:
+	$(call say,AR,$@)
+	$(Q)rm -f $@ && ar rcs $@ $(filter %.o,$^)
+$(BUILD)/%.o: %.c $(BUILD)/stamp/flags | $(BUILD)/stamp/deps $(generated)
+	$(call say,CC,$<)
+	$(Q)mkdir -p $(@D) && $(compile) -MMD -MP -c -o $@ $<
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+
+# Tables that are computed rather than typed in: core/gen/gen_NAME.c prints NAME_table.h.
+$(BUILD)/gen/%_table.h: core/gen/gen_%.c $(BUILD)/stamp/flags | $(BUILD)/stamp/deps
+	$(call say,GEN,$@)
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) -I. -D_GNU_SOURCE -std=c11 -O1 $(WARN) $(MATH) -o $(@D)/gen_$* $< -lgmp -lm
+	$(Q)$(@D)/gen_$* >$@.tmp && mv $@.tmp $@
+
+# Files that change only when what they say does, for everything to depend on: the commands, the
+# members of the libraries.
+$(BUILD)/stamp/flags: text = $(compile) $(link) $(LDLIBS) $(shell $(CC) --version 2>/dev/null)
+$(BUILD)/stamp/core: text = $(core)
+$(BUILD)/stamp/api: text = $(api)
+$(BUILD)/stamp/server: text = $(server)
+$(BUILD)/stamp/flags $(BUILD)/stamp/core $(BUILD)/stamp/api $(BUILD)/stamp/server: FORCE
+	@mkdir -p $(@D)
+	@echo '$(quoted)' | cmp -s - $@ || echo '$(quoted)' >$@
+# Say what is missing rather than let the compiler stumble over it.
+$(BUILD)/stamp/deps: tests/deps $(BUILD)/stamp/flags
+	@CC='$(CC)' tests/deps check build
+	@touch $@
+
+# The sample part, the unit tests (malloc and friends can be made to fail: alloc_fail.h), and the
+# fuzz targets: with a main of our own, or libFuzzer's where SANITIZE says so.
+$(BUILD)/sample/%.stl: $(BUILD)/tests/sample/make_part
+	$(call say,GEN,$@)
+	$(Q)mkdir -p $(@D) && $< $@
+$(BUILD)/tests/sample/make_part: $(BUILD)/tests/sample/make_part.o
+	$(call say,LD,$@)
+	$(Q)$(link) -o $@ $^ -lm
+$(BUILD)/tests/unit/test_%: $(BUILD)/tests/unit/test_%.o $(unit_help) $(libs)
+	$(call say,LD,$@)
+	$(Q)$(link) $(wrap) -o $@ $^ -lcmocka $(LDLIBS)
+fuzz_main := $(if $(findstring fuzzer,$(SANITIZE)),-fsanitize=fuzzer,$(BUILD)/tests/fuzz/driver.o)
+$(BUILD)/tests/fuzz/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(filter %.o,$(fuzz_main)) $(libs)
+	$(call say,LD,$@)
+	$(Q)$(link) -o $@ $(filter-out %.o,$(fuzz_main)) $^ $(LDLIBS)
+
+# The goals that install first call make again afterwards: what make found out about the compiler
+# was wrong before.
+run:
+	@CC='$(CC)' tests/deps install run
+	@$(MAKE) sample
+	@exec tests/sample/run $(BUILD)/masspropd $(LISTEN) $(BUILD)/sample/flange.stl
+test:
+	@CC='$(CC)' tests/deps install test
+	@$(MAKE) all tests
+	@BUILD=$(BUILD) tests/run $(T)
+sample: all $(BUILD)/sample/flange.stl
+	@:
+tests: $(tests)
+	@:
+
+check:
+	@CC='$(CC)' tests/deps install check
+	@$(MAKE) all $(BUILD)/tests/check/option_names
+	@BUILD=$(BUILD) tests/check/check
+format lint layers docs:
+	@BUILD=$(BUILD) tests/check/check $(@:format=reformat)
+docs: all $(BUILD)/tests/check/option_names
+layers: all
+$(BUILD)/tests/check/option_names: $(BUILD)/tests/check/option_names.o $(libs)
+	$(call say,LD,$@)
+	$(Q)$(link) -o $@ $^ $(LDLIBS)
+
+fuzz:
+	@tests/deps install fuzz
+	@$(MAKE) CC=clang SANITIZE=fuzzer-no-link,address,undefined fuzzers
+	@tests/fuzz/run build/fuzzer-no-link-address-undefined/tests/fuzz $(TIME) $(T)
+fuzzers: $(fuzz)
+coverage:
+	@CC='$(CC)' tests/deps install coverage
+	@find build/coverage -name '*.gcda' -delete 2>/dev/null || :
+	@$(MAKE) COVERAGE=1 test
+	@lcov -q -c -d build/coverage -o build/coverage/lcov.info
+	@lcov -q -r build/coverage/lcov.info '/usr/*' '*/tests/*' -o build/coverage/lcov.info
+	@genhtml -q -o build/coverage/html build/coverage/lcov.info
+	@lcov --summary build/coverage/lcov.info; echo "See build/coverage/html/index.html"
+
+install: all
+	install -D -m 755 $(BUILD)/masspropd $(DESTDIR)$(PREFIX)/bin/masspropd
+uninstall:
+	rm -f $(DESTDIR)$(PREFIX)/bin/masspropd
+clean:
+	rm -rf build
+help:
+	@sed -n '1,/^$$/s/^# \{0,1\}//p' Makefile
+	@echo 'make            build'
+	@echo 'make run        install what is missing, build, serve, post a sample part'
+	@echo 'make test       install what is missing, build, run all tests'
+	@echo 'make check      layers, style, lint and spelling; parts: layers, lint, docs'
+	@echo 'make format     let clang-format rewrite the sources'
+	@echo 'make fuzz       run every fuzz target for TIME=60 seconds'
+	@echo 'make coverage   test coverage in build/coverage/html'
+	@echo 'make install    to $$DESTDIR$$PREFIX/bin (PREFIX=/usr/local)'
+	@echo 'make uninstall, make clean'
+
+FORCE:
+.PHONY: all run sample test tests check format lint layers docs fuzz fuzzers coverage install uninstall \
+	clean help FORCE
+.SECONDARY:
+.DELETE_ON_ERROR:

@@ -1,0 +1,464 @@
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "alloc_fail.h"
+#include "stl_seen.h"
+
+/* Binary STL, and telling binary from text.  Text: test_stl_ascii.c. */
+
+enum { MOST = 700 };
+static const size_t all = SIZE_MAX; /* one chunk */
+static const uint64_t roomy = 1000000;
+
+static uint8_t file[84 + 50 * MOST + 4096];
+static struct seen whole, other;
+
+static void put32(uint8_t *p, uint32_t v)
+{
+	for (int i = 0; i < 4; i++)
+		p[i] = (uint8_t)(v >> 8 * i);
+}
+
+static void put_float(size_t facet, size_t number, float f) /* 0-2 the normal, 3-11 corners */
+{
+	uint32_t bits;
+
+	memcpy(&bits, &f, sizeof bits);
+	put32(file + 84 + 50 * facet + 4 * number, bits);
+}
+
+/* ${count} facets in z = facet number, wound counter-clockwise seen from above, normal up. */
+static size_t make(size_t count, const char *header)
+{
+	size_t len = strlen(header);
+
+	memset(file, 0, sizeof file);
+	memcpy(file, header, len < 80 ? len : 80);
+	put32(file + 80, (uint32_t)count);
+	for (size_t i = 0; i < count; i++) {
+		float z = (float)i + 0.125f;
+
+		put_float(i, 2, 1.0f);
+		put_float(i, 3, -1.5f);
+		put_float(i, 5, z);
+		put_float(i, 6, 3.25f);
+		put_float(i, 8, z);
+		put_float(i, 9, 0.1f);
+		put_float(i, 10, 2.0f);
+		put_float(i, 11, z);
+	}
+	return 84 + 50 * count;
+}
+
+static void decode(size_t len)
+{
+	seen_decode(&whole, file, len, all, all, roomy);
+	assert_false(whole.wrong);
+}
+
+static void check_accepted(size_t len, size_t triangles)
+{
+	decode(len);
+	if (whole.ret != 0)
+		fail_msg("refused: %s", whole.err.text);
+	assert_int_equal(whole.count, triangles);
+	assert_int_equal(whole.notes.format, MP_FORMAT_STL_BINARY);
+	seen_decode(&other, file, len, 1, 3, roomy);
+	assert_true(seen_same(&whole, &other));
+}
+
+static void check_refused(size_t len, enum mp_code code, uint64_t byte, const char *word)
+{
+	decode(len);
+	if (whole.ret == 0 || whole.err.code != code || whole.err.byte != byte ||
+	    strstr(whole.err.text, word) == NULL)
+		fail_msg("%zu bytes: %d, code %d, byte %llu: %s", len, whole.ret, whole.err.code,
+			 (unsigned long long)whole.err.byte, whole.err.text);
+	for (size_t step = 1; step < 80; step += 13) {
+		seen_decode(&other, file, len, step, step, roomy);
+		assert_true(seen_same(&whole, &other));
+	}
+}
+
+static void reads_what_was_written(void **state)
+{
+	static const double want[9] = {-1.5, 0, 2.125, 3.25, 0, 2.125, 0.1f, 2, 2.125};
+
+	(void)state;
+	check_accepted(make(3, "a box"), 3);
+	assert_memory_equal(whole.tri[2], want, sizeof want);
+	assert_int_equal(whole.notes.parts, 1);
+	assert_int_equal(whole.notes.normals_disagreeing, 0);
+	assert_int_equal(whole.notes.trailing_bytes, 0);
+	assert_string_equal(whole.parts, "");
+}
+
+static void floats_are_little_endian_and_exact(void **state)
+{
+	static const uint8_t bits[9][4] = {
+	    {0, 0, 0x80, 0x3f},       {0, 0, 0, 0x80},          {1, 0, 0, 0},
+	    {0xff, 0xff, 0x7f, 0x7f}, {0xff, 0xff, 0x7f, 0xff}, {0xcd, 0xcc, 0xcc, 0x3d},
+	    {0, 0, 0x80, 0},          {0xff, 0xff, 0x7f, 0x80}, {0x78, 0x56, 0x34, 0x12}};
+	static const double want[9] = {
+	    1.0,           -0.0,     0x1p-149,         0x1.fffffep127, -0x1.fffffep127,
+	    0x1.99999ap-4, 0x1p-126, -0x1.fffffcp-127, 0x1.68acfp-91};
+	size_t len = make(1, "");
+
+	(void)state;
+	for (size_t i = 0; i < 9; i++)
+		memcpy(file + 84 + 12 + 4 * i, bits[i], 4);
+	check_accepted(len, 1);
+	assert_memory_equal(whole.tri[0], want, sizeof want);
+}
+
+static void blocks_are_full_but_for_the_last(void **state)
+{
+	static const size_t counts[] = {1, 255, 256, 257, 512, 700};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++)
+		check_accepted(make(counts[i], "h"), counts[i]); /* seen_block() looks */
+}
+
+static void where_a_chunk_ends_never_matters(void **state)
+{
+	size_t len = make(100, "solid with a facet in its header"); /* longer than the window */
+
+	(void)state;
+	decode(len);
+	assert_int_equal(whole.count, 100);
+	for (size_t at = 0; at <= len; at++) {
+		seen_decode(&other, file, len, at, all, roomy);
+		assert_true(seen_same(&whole, &other));
+	}
+	len = make(600, "h");
+	decode(len);
+	for (size_t step = 1; step < 200; step++) {
+		seen_decode(&other, file, len, step, step, roomy);
+		assert_true(seen_same(&whole, &other));
+	}
+}
+
+static void every_proper_prefix_is_refused_with_its_offset(void **state)
+{
+	static const char *const headers[] = {
+	    "",
+	    "solid",
+	    "solid facet normal endsolid",
+	    "an ASCII header without NULs up to the count ...........................",
+	    "solid a\nfacet",
+	    "\xff\xfe non-UTF-8 \x80"};
+
+	(void)state;
+	for (size_t h = 0; h < sizeof headers / sizeof headers[0]; h++) {
+		size_t len = make(90, headers[h]);
+
+		if (h == 5)
+			file[0] = 'x'; /* FF FE alone would say UTF-16 */
+		for (size_t n = 1; n < len; n += h == 0 || n < 200 ? 1 : 37) {
+			decode(n);
+			if (whole.ret != -1 || whole.err.code != MP_TRUNCATED ||
+			    whole.err.byte != n)
+				fail_msg("header %zu, %zu bytes: code %d: %s", h, n, whole.err.code,
+					 whole.err.text);
+		}
+		decode(0);
+		assert_int_equal(whole.err.code, MP_EMPTY);
+		assert_int_equal(whole.err.byte, MP_NO_BYTE);
+	}
+}
+
+static void a_count_that_the_bytes_do_not_bear_out_is_truncation(void **state)
+{
+	static const uint32_t counts[] = {5,          0x7fffffff, 0x80000000,
+					  0xffffffff, 85899346,   0x20202020};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+		size_t len = make(4, "xxxxxxxxxx");
+
+		put32(file + 80,
+		      counts[i]); /* 85899346 * 50 + 84 wraps to 284 - 200 + 4 in 32 bits */
+		check_refused(len, MP_TRUNCATED, len, "missing");
+		check_refused(84, MP_TRUNCATED, 84, "missing");
+	}
+	make(4, "");
+	put32(file + 80, 6);
+	check_refused(84 + 225, MP_TRUNCATED, 84 + 225, "6 facets: 4 are there, 2 are missing");
+}
+
+static void bytes_behind_the_facets_are_passed_over(void **state)
+{
+	(void)state;
+	make(3, "h");
+	for (size_t extra = 1; extra < 300; extra += 7) {
+		check_accepted(84 + 150 + extra, 3);
+		assert_int_equal(whole.notes.trailing_bytes, extra);
+	}
+	make(100, "h");
+	check_accepted(5084 + 3000, 100);
+	assert_int_equal(whole.notes.trailing_bytes, 3000);
+}
+
+static void count_zero_is_never_guessed_at(void **state)
+{
+	(void)state;
+	make(0, "empty");
+	check_refused(84, MP_NO_FACES, 80, "0 facets");
+	make(3, "facets behind a count of 0");
+	put32(file + 80, 0);
+	check_refused(84 + 150, MP_SYNTAX, 80, "count was not written");
+	check_refused(85, MP_SYNTAX, 80, "count was not written");
+	check_refused(9000, MP_SYNTAX, 80, "count was not written");
+}
+
+static void the_limit_judges_what_has_come(void **state)
+{
+	size_t len = make(300, "h");
+
+	(void)state;
+	seen_decode(&whole, file, len, all, all, 300);
+	assert_int_equal(whole.ret, 0);
+	for (uint64_t most = 0; most < 300; most += most < 250 ? 50 : 7) {
+		seen_decode(&whole, file, len, all, all, most);
+		assert_int_equal(whole.ret, -1);
+		assert_int_equal(whole.err.code, MP_LIMIT);
+		assert_int_equal(whole.err.limit, most);
+		assert_int_equal(whole.err.actual, most + 1);
+		assert_int_equal(whole.err.byte, 84 + 50 * most);
+		seen_decode(&other, file, len, 11, 17, most);
+		assert_true(seen_same(&whole, &other));
+	}
+	put32(file + 80, 0xffffffff); /* what it claims is no matter */
+	seen_decode(&whole, file, len, all, all, 300);
+	assert_int_equal(whole.err.code, MP_TRUNCATED);
+}
+
+static void coordinates_that_are_not_finite_are_refused_with_their_place(void **state)
+{
+	(void)state;
+	for (size_t number = 3; number < 12; number++) {
+		size_t len = make(270, "h");
+
+		put_float(260, number, number % 2 ? NAN : -INFINITY);
+		put_float(261, 3, NAN);
+		check_refused(len, MP_NON_FINITE, 84 + 50 * 260 + 4 * number,
+			      "facet 260 (from 0): ");
+		assert_int_equal(whole.count, 256); /* the full block before it had gone out */
+	}
+	make(270, "h");
+	put_float(1, 10, NAN);
+	check_refused(84 + 50 * 2, MP_NON_FINITE, 84 + 50 + 40, "y of vertex 3 ");
+}
+
+static void stored_normals_are_only_counted(void **state)
+{
+	size_t len = make(10, "h");
+
+	(void)state;
+	put_float(1, 2, -1.0f);   /* against the winding */
+	put_float(2, 2, -1e-30f); /* too, however short */
+	put_float(3, 2, 0.0f);    /* none given */
+	put_float(4, 2, NAN);
+	put_float(5, 0, INFINITY);
+	put_float(6, 1, -INFINITY);
+	put_float(7, 0, 5.0f); /* tilted, but up */
+	check_accepted(len, 10);
+	assert_int_equal(whole.notes.normals_disagreeing, 2);
+	assert_int_equal(whole.notes.normals_not_finite, 3);
+	assert_true(whole.tri[1][0] == -1.5);
+}
+
+static void attribute_bytes_are_ignored(void **state)
+{
+	uint64_t hash;
+	size_t len = make(5, "COLOR=abcd");
+
+	(void)state;
+	check_accepted(len, 5);
+	hash = whole.hash;
+	for (size_t i = 0; i < 5; i++)
+		put32(file + 84 + 50 * i + 46,
+		      0xffff0000 | file[84 + 50 * i + 46] | (uint32_t)file[84 + 50 * i + 47] << 8);
+	for (size_t i = 0; i < 5; i++) { /* restore the two bytes of the float */
+		float z = (float)i + 0.125f;
+
+		put_float(i, 11, z);
+	}
+	check_accepted(len, 5);
+	assert_true(whole.hash == hash);
+}
+
+static void a_header_may_say_anything(void **state)
+{
+	static const char *const headers[] = {
+	    "solid",
+	    "solid name\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendsolid",
+	    "facet normal 0 0 1 outer loop",
+	    "SOLID\r\nFACET",
+	    "\xef\xbb\xbfsolid x\nendsolid",
+	    "\x80\xff\xfe caf\xe9",
+	    "# solid\nsolid\nfacet",
+	    "PK\x03\x04",
+	    "<html>",
+	    "version https://git-lfs",
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof headers / sizeof headers[0]; i++) {
+		check_accepted(make(2, headers[i]), 2);
+		check_accepted(make(200, headers[i]), 200); /* longer than the window */
+	}
+	memset(file, 0xff, 80);
+	check_accepted(84 + 50 * 200, 200);
+}
+
+static size_t put_text(const char *text)
+{
+	memset(file, 0, sizeof file);
+	strcpy((char *)file, text);
+	return strlen(text);
+}
+
+static void other_files_are_named(void **state)
+{
+	size_t len;
+
+	(void)state;
+	len =
+	    put_text("version https://git-lfs.github.com/spec/v1\n"
+		     "oid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393\n"
+		     "size 12345\n");
+	check_refused(len, MP_SYNTAX, 0, "Git LFS");
+	check_refused(60, MP_SYNTAX, 0, "Git LFS");
+	len = put_text("\n <!DOCTYPE html>\n<html><body>404 not found</body></html>");
+	check_refused(len, MP_SYNTAX, 0, "HTML");
+	memset(file + len, ' ', 5000);
+	check_refused(5000, MP_SYNTAX, 0, "HTML");
+	put_text("<?xml version=\"1.0\"?>");
+	check_refused(21, MP_SYNTAX, 0, "XML");
+	for (size_t n = 20; n < 8000; n *= 2) {
+		memset(file, 0x91, sizeof file);
+		memcpy(file, "\x1f\x8b\x08", 3);
+		check_refused(n, MP_SYNTAX, 0, "gzip");
+		memcpy(file, "PK\x03\x04", 4);
+		check_refused(n, MP_SYNTAX, 0, "zip");
+		memcpy(file, "\x89PNG", 4);
+		check_refused(n, MP_SYNTAX, 0, "PNG");
+		for (size_t i = 0; i < n; i++)
+			file[i] = i % 2 ? 0 : (uint8_t) "solid a\nfacet normal "[i / 2 % 21];
+		check_refused(n, MP_SYNTAX, 0, "UTF-16");
+		memcpy(file, "\xff\xfes", 3);
+		check_refused(n, MP_SYNTAX, 0, "UTF-16");
+	}
+}
+
+static void mangled_binary_is_named(void **state)
+{
+	static uint8_t good[84 + 50 * 200];
+	size_t size = make(200, "h"), len = 80;
+
+	(void)state;
+	memcpy(good, file, size);
+	for (size_t i = 80; i < size; i++) { /* as an editor in UTF-8 saves it */
+		if (good[i] < 0x80) {
+			file[len++] = good[i];
+		} else {
+			memcpy(file + len, "\xef\xbf\xbd", 3);
+			len += 3;
+		}
+	}
+	check_refused(len, MP_SYNTAX, 0, "saved as text");
+	len = 84;
+	for (size_t i = 84; i < size; i++) { /* as a transfer in text mode leaves it */
+		if (i % 100 == 0)
+			file[len++] = '\r';
+		file[len++] = i % 100 == 0 ? '\n' : good[i];
+	}
+	check_refused(len, MP_SYNTAX, 0, "line ends");
+}
+
+static void text_that_is_no_stl_is_a_syntax_error(void **state)
+{
+	size_t len = put_text("# an OBJ file of some length, so that it is no header of a binary\n"
+			      "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+
+	(void)state;
+	check_refused(len, MP_SYNTAX, 66, "neither facet");
+	assert_int_equal(whole.err.line, 2);
+	memset(file, 'a', 5000);
+	check_refused(5000, MP_SYNTAX, 0, "neither facet");
+	check_refused(200, MP_SYNTAX, 0, "neither facet");
+	check_refused(83, MP_TRUNCATED, 83, "only 83 bytes"); /* may be half a header */
+	memset(file, '\n', 5000);
+	check_refused(5000, MP_SYNTAX, 0, "without the word solid");
+}
+
+static void a_sink_that_fails_stops_the_decoder(void **state)
+{
+	size_t len = make(700, "h");
+
+	(void)state;
+	for (uint64_t at = 1; at <= 700; at += 233) {
+		whole.fail_at = at;
+		decode(len);
+		assert_int_equal(whole.ret, -1);
+		assert_int_equal(whole.err.code, MP_BUG);
+		assert_int_equal(whole.err.byte, 7);
+	}
+	whole.fail_at = 0;
+}
+
+static void a_failed_allocation_is_an_error(void **state)
+{
+	size_t len = make(20, "h");
+	long before = alloc_count();
+	const struct mp_limits limits = {1};
+	const struct mp_sink sink = {seen_block, seen_part, &whole};
+	struct mp_error err = {0};
+	void *st;
+
+	(void)state;
+	memset(&whole, 0, sizeof whole);
+	alloc_fail_at(1);
+	assert_int_equal(mp_stl_decoder.begin(&st, &sink, &limits, &whole.notes, &err), -1);
+	assert_int_equal(err.code, MP_NOMEM);
+	mp_stl_decoder.end(st);
+	mp_stl_decoder.end(NULL);
+	before = alloc_count();
+	decode(len);
+	assert_int_equal(alloc_count() - before, 2); /* the state, and the test's own copy */
+	assert_int_equal(whole.ret, 0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(reads_what_was_written),
+	    cmocka_unit_test(floats_are_little_endian_and_exact),
+	    cmocka_unit_test(blocks_are_full_but_for_the_last),
+	    cmocka_unit_test(where_a_chunk_ends_never_matters),
+	    cmocka_unit_test(every_proper_prefix_is_refused_with_its_offset),
+	    cmocka_unit_test(a_count_that_the_bytes_do_not_bear_out_is_truncation),
+	    cmocka_unit_test(bytes_behind_the_facets_are_passed_over),
+	    cmocka_unit_test(count_zero_is_never_guessed_at),
+	    cmocka_unit_test(the_limit_judges_what_has_come),
+	    cmocka_unit_test(coordinates_that_are_not_finite_are_refused_with_their_place),
+	    cmocka_unit_test(stored_normals_are_only_counted),
+	    cmocka_unit_test(attribute_bytes_are_ignored),
+	    cmocka_unit_test(a_header_may_say_anything),
+	    cmocka_unit_test(other_files_are_named),
+	    cmocka_unit_test(mangled_binary_is_named),
+	    cmocka_unit_test(text_that_is_no_stl_is_a_syntax_error),
+	    cmocka_unit_test(a_sink_that_fails_stops_the_decoder),
+	    cmocka_unit_test(a_failed_allocation_is_an_error),
+	};
+
+	return cmocka_run_group_tests_name("stl", tests, NULL, NULL);
+}
