@@ -9,7 +9,7 @@ enum { MOST_BODIES = 10000, MOST_DEFECTS = 100000, MOST_MATERIALS = 64 };
 static int set_format(struct api_options *o, const struct api_value *v)
 {
 	static const char *const words[] = {"auto", "stl", "obj", "drc"}; /* enum mp_format_wish */
-	unsigned which;
+	unsigned which = 0;
 
 	if (api_value_choice(v, words, 4, &which))
 		return -1;
@@ -19,7 +19,7 @@ static int set_format(struct api_options *o, const struct api_value *v)
 
 static int set_unit(struct api_options *o, const struct api_value *v)
 {
-	unsigned which;
+	unsigned which = 0;
 
 	if (api_value_choice(v, api_unit_names, API_UNITS, &which))
 		return -1;
@@ -36,7 +36,7 @@ static int set_density(struct api_options *o, const struct api_value *v)
 
 static int set_density_unit(struct api_options *o, const struct api_value *v)
 {
-	unsigned which;
+	unsigned which = 0;
 
 	if (api_value_choice(v, api_density_unit_names, API_DENSITY_UNITS, &which))
 		return -1;
@@ -48,7 +48,7 @@ static int set_material(struct api_options *o, const struct api_value *v)
 {
 	const char *names[MOST_MATERIALS];
 	size_t count = api_material_count < MOST_MATERIALS ? api_material_count : MOST_MATERIALS;
-	unsigned which;
+	unsigned which = 0;
 
 	for (size_t i = 0; i < count; i++)
 		names[i] = api_materials[i].name;
@@ -67,7 +67,7 @@ static int set_mass(struct api_options *o, const struct api_value *v)
 
 static int set_mass_unit(struct api_options *o, const struct api_value *v)
 {
-	unsigned which;
+	unsigned which = 0;
 
 	if (api_value_choice(v, api_mass_unit_names, API_MASS_UNITS, &which))
 		return -1;
@@ -127,7 +127,7 @@ static int not_yet(const struct api_value *v)
 
 static int later_word(const struct api_value *v, const char *const *words, size_t count)
 {
-	unsigned which; /* the first is the default */
+	unsigned which = 0; /* the first is the default */
 
 	if (api_value_choice(v, words, count, &which))
 		return -1;

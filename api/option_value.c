@@ -45,7 +45,7 @@ int api_value_choice(const struct api_value *v, const char *const *words, size_t
 int api_value_bool(const struct api_value *v, bool *out)
 {
 	static const char *const words[] = {"false", "true"};
-	unsigned which;
+	unsigned which = 0;
 
 	if (api_value_choice(v, words, 2, &which))
 		return -1;

@@ -81,10 +81,11 @@ static int decimal(double x, double *n)
 {
 	double ten = 1;
 
-	for (int k = 0; k <= MOST_DECIMALS; k++, ten *= 10) {
+	for (int k = 0; k <= MOST_DECIMALS; k++) {
 		*n = rint(x * ten);
 		if (*n < MOST_DECIMAL && *n / ten == x)
 			return k;
+		ten *= 10;
 	}
 	*n = x;
 	return 0;
@@ -105,7 +106,7 @@ struct api_ratio api_units_convert(double x, enum api_density_unit from, enum ap
 }
 
 /*
- * Metals: ASM Handbook volumes 1 and 2, rounded as data sheets print them.  Plastics: middle of the
+ * Metals: nominal room-temperature values
  * range that makers of unfilled grades give.  Water: 20 degrees C.
  */
 const struct api_material api_materials[] = {

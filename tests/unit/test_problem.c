@@ -188,6 +188,53 @@ static void hostile_bytes_become_replacement_characters(void **state)
 	cJSON_Delete(json);
 }
 
+static void only_utf8_without_controls_is_clean(void **state)
+{
+	static const char *const good[] = {"",
+					   "az ~",
+					   "\xc2\xa0",
+					   "\xdf\xbf",
+					   "\xe0\xa0\x80",
+					   "\xed\x9f\xbf",
+					   "\xee\x80\x80",
+					   "\xf0\x90\x80\x80",
+					   "\xf4\x8f\xbf\xbf"};
+	static const struct {
+		const char *bytes;
+		size_t replaced; /* by so many characters */
+	} bad[] = {{"\n", 1},
+		   {"\x7f", 1},
+		   {"\xc2\x9f", 1}, /* a control character of two bytes */
+		   {"\x80", 1},
+		   {"\xc0\xaf", 2},         /* overlong */
+		   {"\xe0\x9f\xbf", 3},     /* overlong */
+		   {"\xf0\x8f\xbf\xbf", 4}, /* overlong */
+		   {"\xed\xa0\x80", 3},     /* a surrogate */
+		   {"\xf4\x90\x80\x80", 4}, /* above U+10FFFF */
+		   {"\xf5\x80", 2},
+		   {"\xe2\x82", 1}, /* cut */
+		   {"\xf0\x9f\x98", 1},
+		   {"\xff\xfe", 2}};
+	char out[64];
+
+	(void)state;
+	for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+		assert_true(api_utf8_clean(good[i], strlen(good[i])));
+		(void)api_utf8_copy(out, sizeof out, good[i], strlen(good[i]));
+		assert_string_equal(out, good[i]);
+	}
+	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+		size_t len = strlen(bad[i].bytes);
+
+		assert_false(api_utf8_clean(bad[i].bytes, len));
+		assert_int_equal(api_utf8_copy(out, sizeof out, bad[i].bytes, len),
+				 3 * bad[i].replaced);
+		assert_true(api_utf8_clean(out, strlen(out)));
+	}
+	assert_int_equal(api_utf8_copy(out, 1, "abc", 3), 0);
+	assert_int_equal(api_utf8_copy(out, 4, "ab\xff", 3), 2);
+}
+
 static void a_long_option_is_cut_between_characters(void **state)
 {
 	char option[300];
@@ -240,6 +287,7 @@ int main(void)
 	    cmocka_unit_test(says_what_rfc_9457_asks),
 	    cmocka_unit_test(figures_appear_where_they_apply),
 	    cmocka_unit_test(hostile_bytes_become_replacement_characters),
+	    cmocka_unit_test(only_utf8_without_controls_is_clean),
 	    cmocka_unit_test(a_long_option_is_cut_between_characters),
 	    cmocka_unit_test(a_detail_that_is_too_long_is_cut),
 	    cmocka_unit_test_setup_teardown(any_failed_allocation_gives_null, hook, unhook),
