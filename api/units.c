@@ -106,8 +106,8 @@ struct api_ratio api_units_convert(double x, enum api_density_unit from, enum ap
 }
 
 /*
- * Metals: nominal room-temperature values
- * range that makers of unfilled grades give.  Water: 20 degrees C.
+ * Nominal densities at room temperature, kg/m3, as data sheets print them; plastics: the middle of
+ * the range of unfilled grades.  Water: 20 degrees C.  A quote that matters gives its own density.
  */
 const struct api_material api_materials[] = {
     {"aluminium_6061", 2700},

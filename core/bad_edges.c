@@ -57,7 +57,8 @@ int mp_bad_edges_list(const struct mp_mesh *mesh, const struct mp_edges *e, uint
 	struct search s = {.non_manifold = {.most = most}, .misoriented = {.most = most}};
 	int failed;
 
-	search(&s, e);
+	if (out->non_manifold_edges > 0 || out->misoriented_edges > 0)
+		search(&s, e);
 	failed = mp_smallest_finish(&s.non_manifold) || mp_smallest_finish(&s.misoriented) ||
 		 list(mesh, e, &s.non_manifold, &out->defect[MP_DEFECT_NON_MANIFOLD_EDGE],
 		      &out->truncated) ||

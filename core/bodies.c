@@ -52,6 +52,12 @@ static bool has_volume(const struct mp_body_topology *body)
 	return body->closed || body->cracks_only;
 }
 
+static void take_box(const struct mp_moments *m, struct mp_box *box)
+{
+	memcpy(box->min, m->min, sizeof box->min);
+	memcpy(box->max, m->max, sizeof box->max);
+}
+
 static void measure(const struct mp_mesh *mesh, const struct mp_topology *t, struct mp_bodies *b,
 		    uint32_t i, struct mp_solid *solid)
 {
@@ -62,6 +68,7 @@ static void measure(const struct mp_mesh *mesh, const struct mp_topology *t, str
 	mp_moments_begin(&m);
 	mp_solid_add(&m, mesh, order, count);
 	mp_solid_find(&m, mesh, order, count, has_volume(&t->body[i]), solid);
+	take_box(&m, &b->box[i]);
 }
 
 static void set_winding(struct mp_bodies *b, uint32_t i, const struct mp_solid *solid)
@@ -73,9 +80,13 @@ static void set_winding(struct mp_bodies *b, uint32_t i, const struct mp_solid *
 		b->winding[i] = solid->volume > 0 ? MP_ORIENTATION_OUTWARD : MP_ORIENTATION_INWARD;
 }
 
-/* Every body about its own reference; true where they sum up to the whole. */
+/*
+ * Every body about its own reference; true where they sum up to the whole.  Of an open body that
+ * is not listed only the box is wanted.
+ */
 static bool measure_all(const struct mp_mesh *mesh, const struct mp_topology *t,
-			const struct mp_solid *whole, struct mp_bodies *b, struct mp_merge *merge)
+			const struct mp_moments *total, const struct mp_solid *whole,
+			struct mp_bodies *b, struct mp_merge *merge)
 {
 	bool sum_up = b->count > 0;
 
@@ -83,14 +94,16 @@ static bool measure_all(const struct mp_mesh *mesh, const struct mp_topology *t,
 		bool closed = has_volume(&t->body[i]);
 		struct mp_solid solid;
 
-		find_box(mesh, b->order + b->start[i], t->body[i].triangles, &b->box[i]);
 		sum_up = sum_up && closed;
-		if (!closed && i >= b->listed)
-			continue;
-		if (mp_bodies_alone(mesh, t))
+		if (mp_bodies_alone(mesh, t)) {
 			solid = *whole;
-		else
+			take_box(total, &b->box[i]);
+		} else if (closed || i < b->listed) {
 			measure(mesh, t, b, i, &solid);
+		} else {
+			find_box(mesh, b->order + b->start[i], t->body[i].triangles, &b->box[i]);
+			continue;
+		}
 		if (closed) {
 			set_winding(b, i, &solid);
 			mp_merge_add(merge, &solid);
@@ -147,7 +160,7 @@ int mp_bodies_measure(const struct mp_mesh *mesh, const struct mp_topology *t, u
 		origin[k] =
 		    whole->has_surface_centroid ? whole->surface_centroid[k] : total->reference[k];
 	mp_merge_begin(&merge, origin);
-	out->sum_up = measure_all(mesh, t, whole, out, &merge);
+	out->sum_up = measure_all(mesh, t, total, whole, out, &merge);
 	if (out->sum_up && !mp_bodies_alone(mesh, t)) {
 		mp_merge_solve(&merge, whole);
 		whole->in_range = true;

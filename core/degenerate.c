@@ -1,6 +1,8 @@
 #include "core/predicates.h"
 #include "core/topology_parts.h"
 
+enum { AHEAD = 16 };
+
 static bool is_degenerate(const struct mp_mesh *mesh, const uint32_t v[3])
 {
 	double p[3][3];
@@ -31,6 +33,8 @@ int mp_degenerate_find(const struct mp_mesh *mesh, uint32_t most, struct mp_topo
 	int failed;
 
 	for (uint32_t t = 0; t < mesh->triangles; t++) {
+		for (unsigned k = 0; k < 3 && t + AHEAD < mesh->triangles; k++)
+			mp_vertices_prefetch(mesh->vertices, mesh->tri[t + AHEAD][k]);
 		if (!is_degenerate(mesh, mesh->tri[t]))
 			continue;
 		out->degenerate_triangles++;

@@ -14,6 +14,11 @@ static bool is_end(uint8_t c)
 	return c == '\n' || c == '\r';
 }
 
+static bool begins_number(uint8_t c)
+{
+	return (c >= '0' && c <= '9') || c == '+' || c == '-' || c == '.';
+}
+
 static bool begins(const uint8_t *text, size_t len, const char *word)
 {
 	size_t n = strlen(word), i = 0;
@@ -44,9 +49,7 @@ static enum line judge_line(const uint8_t *text, size_t len)
 		return LINE_NOTHING;
 	for (i = 1; i < len && is_blank(text[i]); i++)
 		;
-	if (i < len && memchr("+-.0123456789", text[i], 13) != NULL)
-		return LINE_VERTEX;
-	return LINE_NOTHING;
+	return i < len && begins_number(text[i]) ? LINE_VERTEX : LINE_NOTHING;
 }
 
 static bool is_obj(const uint8_t *head, size_t len)

@@ -101,37 +101,39 @@ void mp_moments_begin_again(struct mp_moments *m, const struct mp_moments *first
 }
 
 /*
- * v: the corners, [corner*3 + axis][lane].  Widen the box by them, then make them q.
+ * v: the corners, [corner*3 + axis][lane].  Widen the box by them, then scale them.
  * In this and the next function the lanes are the inner loop, so that it becomes vectors.
  */
-static void add_box(struct lanes *restrict l, double (*restrict v)[LANES], const double scale[3],
-		    const double origin[3])
+static void add_box(struct lanes *restrict l, double (*restrict v)[LANES], const double scale[3])
 {
 	for (int k = 0; k < 3; k++) {
-		double factor = scale[k], shift = origin[k];
+		double factor = scale[k];
 
 		for (int j = 0; j < LANES; j++) {
 			double a = v[k][j], b = v[3 + k][j], c = v[6 + k][j];
 
 			l->min[k][j] = smaller(smaller(a, b), smaller(c, l->min[k][j]));
 			l->max[k][j] = larger(larger(a, b), larger(c, l->max[k][j]));
-			v[k][j] = a * factor - shift;
-			v[3 + k][j] = b * factor - shift;
-			v[6 + k][j] = c * factor - shift;
+			v[k][j] = a * factor;
+			v[3 + k][j] = b * factor;
+			v[6 + k][j] = c * factor;
 		}
 	}
 }
 
-static void add_group(struct lanes *restrict l, double (*restrict q)[LANES], const double weight[3])
+/* Edges come from the vertices themselves, not from q: far from the reference q is rounded. */
+static void add_group(struct lanes *restrict l, double (*restrict v)[LANES], const double origin[3],
+		      const double weight[3])
 {
+	double ox = origin[0], oy = origin[1], oz = origin[2];
 	double weight_x = weight[0], weight_y = weight[1], weight_z = weight[2];
 
 	for (int j = 0; j < LANES; j++) {
-		double ax = q[0][j], ay = q[1][j], az = q[2][j];
-		double bx = q[3][j], by = q[4][j], bz = q[5][j];
-		double cx = q[6][j], cy = q[7][j], cz = q[8][j];
-		double ex = bx - ax, ey = by - ay, ez = bz - az;
-		double fx = cx - ax, fy = cy - ay, fz = cz - az;
+		double ex = v[3][j] - v[0][j], ey = v[4][j] - v[1][j], ez = v[5][j] - v[2][j];
+		double fx = v[6][j] - v[0][j], fy = v[7][j] - v[1][j], fz = v[8][j] - v[2][j];
+		double ax = v[0][j] - ox, ay = v[1][j] - oy, az = v[2][j] - oz;
+		double bx = v[3][j] - ox, by = v[4][j] - oy, bz = v[5][j] - oz;
+		double cx = v[6][j] - ox, cy = v[7][j] - oy, cz = v[8][j] - oz;
 		double yz = ey * fz, zy = ez * fy, zx = ez * fx;
 		double xz = ex * fz, xy = ex * fy, yx = ey * fx;
 		double nx = yz - zy, ny = zx - xz, nz = xy - yx;
@@ -233,8 +235,8 @@ void mp_moments_add(struct mp_moments *m, const double (*tri)[9], size_t count)
 			transpose(tri + at, v);
 		else
 			transpose_rest(tri + at, count - at, v);
-		add_box(&l, v, m->scale, origin);
-		add_group(&l, v, weight);
+		add_box(&l, v, m->scale);
+		add_group(&l, v, origin, weight);
 	}
 	add_lanes(m, &l);
 	m->triangles += count;

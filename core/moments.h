@@ -8,7 +8,8 @@
 /*
  * Moment sums over the triangles of a mesh, edge form about a reference near the mesh:
  * q = (vertex - reference)*scale, n = (b-a)x(c-a), d = a.n, s = a+b+c,
- * A0 = sum d, A1 = sum d*s, A2ij = sum d*(ai*aj + bi*bj + ci*cj + si*sj).
+ * A0 = sum d, A1 = sum d*s, A2ij = sum d*(ai*aj + bi*bj + ci*cj + si*sj), the last computed as
+ * (a+b)i*(a+b)j + (b+c)i*(b+c)j + (c+a)i*(c+a)j, which is the same and shorter.
  * Divergence theorem over signed tetrahedra (Eberly, Polyhedral Mass Properties; Kallay 2006,
  * doi:10.1080/2151237X.2006.10129220).  Compensated (TwoSum) over blocks of MP_BLOCK
  * triangles; within a block eight interleaved lanes (lane j takes triangles j, j+8, ...), folded

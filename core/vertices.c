@@ -76,21 +76,36 @@ static uint64_t home(uint32_t tag, unsigned bits)
 	return ((uint64_t)tag << 32) >> (64 - bits);
 }
 
+static uint64_t bits_of(double x)
+{
+	uint64_t bits;
+
+	memcpy(&bits, &x, sizeof bits);
+	return bits;
+}
+
 /*
  * Whether a float holds ${x}, by its bits: GCC 12's SLP vectoriser may drop the rounding of
  * (double)(float)x.
  */
 static bool fits_float(double x)
 {
-	uint64_t bits;
-	unsigned exponent;
+	uint64_t bits = bits_of(x);
+	unsigned exponent = (unsigned)(bits >> 52) & 0x7ff;
 
-	memcpy(&bits, &x, sizeof bits);
-	exponent = (unsigned)(bits >> 52) & 0x7ff;
 	if (exponent >= 1023 - 126)
 		return (bits & 0x1fffffff) == 0 && exponent <= 1023 + 127;
 	x *= 0x1p149; /* exact; a subnormal float is a multiple of 2^-149 */
 	return (double)(int64_t)x == x;
+}
+
+/* 0 where a float certainly holds ${x}: no branch, and right for all but subnormal floats. */
+static uint64_t doubt_float(double x)
+{
+	uint64_t bits = bits_of(x) & (UINT64_MAX >> 1);
+	uint64_t normal = bits - ((uint64_t)(1023 - 126) << 52);
+
+	return (bits & 0x1fffffff) | ((normal >= (uint64_t)254 << 52) & (bits != 0));
 }
 
 struct mp_vertices *mp_vertices_new(const uint8_t key[16], struct mp_error *err)
@@ -243,22 +258,34 @@ static int find_or_add(struct mp_vertices *v, const struct corner *c, uint32_t *
 	return 0;
 }
 
-/* Hash the corners and ask memory for their slots.  Returns whether floats hold all of them. */
+/* Hash the corners and ask memory for their slots.  Returns whether floats may not hold them. */
 static bool load(const struct mp_vertices *v, const double (*tri)[9], unsigned count,
 		 struct corner *c)
 {
-	bool narrow = true;
+	uint64_t key[6], doubt = 0;
+	const uint64_t *slot = v->slot;
+	unsigned bits = v->bits;
 
-	for (unsigned i = 0; i < 3 * count; i++) {
-		const double *p = tri[i / 3] + 3 * (i % 3);
-
-		for (unsigned k = 0; k < 3; k++)
-			c[i].p[k] = p[k] + 0.0; /* -0 + 0 is +0 */
-		narrow = narrow && fits_float(p[0]) && fits_float(p[1]) && fits_float(p[2]);
-		c[i].tag = hash(v->key, c[i].p);
-		__builtin_prefetch(&v->slot[home(c[i].tag, v->bits)]);
+	memcpy(key, v->key, sizeof key);
+	for (unsigned i = 0; i < count; i++) {
+		for (unsigned k = 0; k < 9; k += 3, c++) {
+			for (unsigned j = 0; j < 3; j++) {
+				c->p[j] = tri[i][k + j] + 0.0; /* -0 + 0 is +0 */
+				doubt |= doubt_float(c->p[j]);
+			}
+			c->tag = hash(key, c->p);
+			__builtin_prefetch(&slot[home(c->tag, bits)]);
+		}
 	}
-	return narrow;
+	return doubt != 0;
+}
+
+static bool all_fit(const struct corner *c, unsigned n)
+{
+	for (unsigned i = 0; i < 3 * n; i++)
+		if (!fits_float(c[i / 3].p[i % 3]))
+			return false;
+	return true;
 }
 
 /* The slots are there by now: ask for the coordinates that they will be compared with. */
@@ -281,7 +308,7 @@ static int add_batch(struct mp_vertices *v, const double (*tri)[9], unsigned cou
 
 	if (reserve(v, 3 * count, err))
 		return -1;
-	if (!load(v, tri, count, c) && !v->wide && widen(v, err))
+	if (load(v, tri, count, c) && !v->wide && !all_fit(c, 3 * count) && widen(v, err))
 		return -1;
 	prefetch_xyz(v, c, 3 * count);
 	for (unsigned i = 0; i < 3 * count; i++)
@@ -316,6 +343,13 @@ void mp_vertices_get(const struct mp_vertices *v, uint32_t number, double xyz[3]
 	for (unsigned k = 0; k < 3; k++)
 		xyz[k] = v->wide ? ((const double *)v->xyz)[at + k]
 				 : (double)((const float *)v->xyz)[at + k];
+}
+
+void mp_vertices_prefetch(const struct mp_vertices *v, uint32_t number)
+{
+	size_t each = 3 * (v->wide ? sizeof(double) : sizeof(float));
+
+	__builtin_prefetch((const char *)v->xyz + number * each);
 }
 
 void mp_vertices_seal(struct mp_vertices *v)

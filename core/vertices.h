@@ -32,6 +32,9 @@ uint32_t mp_vertices_count(const struct mp_vertices *);
 /* Coordinates of vertex ${v} < count. */
 void mp_vertices_get(const struct mp_vertices *, uint32_t v, double xyz[3]);
 
+/* A hint that get() of ${v} will follow soon, for walks in no order; changes nothing. */
+void mp_vertices_prefetch(const struct mp_vertices *, uint32_t v);
+
 /* Give back the hash index (the larger part); add() is illegal afterwards, get() stays legal. */
 void mp_vertices_seal(struct mp_vertices *);
 

@@ -60,17 +60,9 @@ bool srv_cors_allows(const struct srv_config *config, const char *origin)
 	return false;
 }
 
-/* One range of an Accept header, blanks skipped: does it take JSON with q > 0? */
-static bool range_takes(const char *range, size_t len)
+/* Does the range refuse with q=0? */
+static bool refuses(const char *params, const char *end)
 {
-	static const char *const good[] = {"*/*", "application/*", "application/json",
-					   "application/problem+json"};
-	const char *params = memchr(range, ';', len);
-	size_t name = params != NULL ? (size_t)(params - range) : len;
-	const char *end = range + len;
-
-	while (name > 0 && isspace((unsigned char)range[name - 1]))
-		name--;
 	for (; params != NULL && params < end;
 	     params = memchr(params, ';', (size_t)(end - params))) {
 		params++;
@@ -78,26 +70,52 @@ static bool range_takes(const char *range, size_t len)
 			params++;
 		if (end - params >= 3 && strncasecmp(params, "q=0", 3) == 0 &&
 		    strspn(params + 3, ".0") >= strcspn(params + 3, ",; \t"))
-			return false;
-	}
-	for (size_t i = 0; i < sizeof good / sizeof good[0]; i++)
-		if (strlen(good[i]) == name && strncasecmp(range, good[i], name) == 0)
 			return true;
+	}
 	return false;
 }
 
+/* How closely one range of an Accept header names JSON: 0 not at all, 3 by its name. */
+static int closeness(const char *range, size_t len)
+{
+	static const struct {
+		const char *name;
+		int close;
+	} good[] = {{"*/*", 1},
+		    {"application/*", 2},
+		    {"application/json", 3},
+		    {"application/problem+json", 3}};
+
+	while (len > 0 && isspace((unsigned char)range[len - 1]))
+		len--;
+	for (size_t i = 0; i < sizeof good / sizeof good[0]; i++)
+		if (strlen(good[i].name) == len && strncasecmp(range, good[i].name, len) == 0)
+			return good[i].close;
+	return 0;
+}
+
+/* The closest range decides (RFC 9110, 12.5.1). */
 bool srv_accept_json(const char *accept)
 {
+	int closest = 0;
+	bool taken = false;
+
 	if (accept == NULL || *accept == '\0')
 		return true;
 	while (*accept != '\0') {
+		const char *params;
 		size_t len;
+		int close;
 
 		accept += strspn(accept, " \t,");
 		len = strcspn(accept, ",");
-		if (len > 0 && range_takes(accept, len))
-			return true;
+		params = memchr(accept, ';', len);
+		close = closeness(accept, params != NULL ? (size_t)(params - accept) : len);
+		if (close > 0 && close >= closest) {
+			taken = !refuses(params, accept + len) || (close == closest && taken);
+			closest = close;
+		}
 		accept += len;
 	}
-	return false;
+	return taken;
 }

@@ -181,3 +181,17 @@ void built_free(struct built *b)
 	free(b->tri);
 	memset(b, 0, sizeof *b);
 }
+
+void found_look(struct found *f, uint32_t most)
+{
+	if (soup_build(&f->soup, 9, &f->built, NULL) ||
+	    mp_topology_find(&f->built.mesh, most, &f->t, NULL))
+		abort();
+}
+
+void found_free(struct found *f)
+{
+	mp_topology_free(&f->t);
+	built_free(&f->built);
+	soup_free(&f->soup);
+}

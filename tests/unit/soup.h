@@ -39,4 +39,13 @@ struct built {
 int soup_build(const struct soup *, uint64_t key, struct built *, struct mp_error *);
 void built_free(struct built *);
 
+/* A mesh and what was found of it; zero but for the soup at first. */
+struct found {
+	struct soup soup;
+	struct built built;
+	struct mp_topology t;
+};
+void found_look(struct found *, uint32_t most); /* build and mp_topology_find() */
+void found_free(struct found *);
+
 #endif

@@ -16,166 +16,6 @@
 
 static const double ORIGIN[3] = {0, 0, 0};
 
-static void assert_tensor(const double value[3][3], const double want[3][3], double tolerance)
-{
-	for (int i = 0; i < 9; i++)
-		assert_near(value[i / 3][i % 3], want[i / 3][i % 3], tolerance);
-}
-
-/* The worked example of the paper on the triangular pyramid, its misprints corrected. */
-static void test_wedge_of_the_paper(void **state)
-{
-	static const double ABOUT_ORIGIN[3][3] = {
-	    {68.9, -50, -16}, {-50, 166.4, -10}, {-16, -10, 222.5}};
-	static const double ABOUT_CENTROID[3][3] = {
-	    {0.3445, 1 / 6.0, 0.16 / 3}, {1 / 6.0, 0.8320, 0.1 / 3}, {0.16 / 3, 0.1 / 3, 1.1125}};
-	static const double CENTROID[3] = {10, 6.25, 2};
-	struct mp_request request = request_plain();
-	struct mesh m = {0};
-	struct mp_report r;
-
-	(void)state;
-	mesh_wedge(&m, 40, 25, 8);
-	request.density_kind = MP_DENSITY_GIVEN;
-	request.density = 1e-5;
-	report_of_binary(&m, &request, &r);
-	assert_true(r.total.volume_defined && r.total.mass_defined && r.total.inertia_defined);
-	assert_true(r.total.volume == 4000 / 3.0 && r.total.mass == 0.04 / 3);
-	assert_true(r.density_defined && r.density == 1e-5);
-	for (int k = 0; k < 3; k++)
-		assert_true(r.total.centroid[k] == CENTROID[k]);
-	assert_tensor((const double(*)[3])r.total.inertia, ABOUT_CENTROID, 2e-16);
-	assert_true(r.inertia_origin_defined);
-	for (int i = 0; i < 9; i++)
-		assert_relative(r.inertia_origin[i / 3][i % 3],
-				0.04 / 3 * ABOUT_ORIGIN[i / 3][i % 3], 3e-16);
-	assert_relative(r.total.area, 500 + 100 + 160 + sqrt(500 * 500 + 100 * 100 + 160 * 160),
-			2e-16);
-	assert_int_equal(r.solid, MP_YES);
-	assert_int_equal(r.warnings, 0);
-	mp_report_free(&r);
-	mesh_free(&m);
-}
-
-/* The example of the HTTP contract. */
-static void test_box_of_the_contract(void **state)
-{
-	const double max[3] = {40, 30, 20};
-	static const double CENTRAL[3][3] = {{7.02, 0, 0}, {0, 10.8, 0}, {0, 0, 13.5}};
-	static const double ABOUT_ORIGIN[3][3] = {
-	    {28.08, -19.44, -12.96}, {-19.44, 43.2, -9.72}, {-12.96, -9.72, 54}};
-	struct mp_request request = request_plain();
-	struct mesh m = {0};
-	struct mp_report r;
-
-	(void)state;
-	mesh_box(&m, ORIGIN, max);
-	request.density_kind = MP_DENSITY_GIVEN;
-	request.density = 2700;
-	request.density_divisor = 1e9;
-	report_of_binary(&m, &request, &r);
-	assert_true(r.total.volume == 24000 && r.total.area == 5200 && r.total.mass == 0.0648);
-	for (int k = 0; k < 3; k++) {
-		assert_true(r.total.centroid[k] == max[k] / 2);
-		assert_true(r.surface_centroid_defined && r.surface_centroid[k] == max[k] / 2);
-		assert_true(r.box.min[k] == 0 && r.box.max[k] == max[k]);
-		assert_true(r.closure_defect[k] == 0);
-		assert_true(r.principal.moments[k] == CENTRAL[k][k]);
-		assert_relative(r.radii_of_gyration[k], sqrt(CENTRAL[k][k] / 0.0648), 2e-16);
-	}
-	assert_tensor((const double(*)[3])r.total.inertia, CENTRAL, 0);
-	assert_tensor((const double(*)[3])r.inertia_origin, ABOUT_ORIGIN, 0);
-	assert_true(r.radii_defined && r.density == 2700 / 1e9);
-	assert_int_equal(r.principal.symmetry, MP_SYMMETRY_NONE);
-	assert_int_equal(r.orientation, MP_ORIENTATION_OUTWARD);
-	assert_int_equal(r.solid, MP_YES);
-	assert_int_equal(r.overlapping, MP_NO);
-	assert_int_equal(r.triangles, 12);
-	assert_int_equal(r.notes.bytes, 684);
-	assert_int_equal(r.bodies_listed, 1);
-	assert_int_equal(r.warnings, 0);
-	assert_false(r.inertia_about_defined || r.axis_defined);
-	mp_report_free(&r);
-	mesh_free(&m);
-}
-
-static void test_weighed_mass_gives_the_density(void **state)
-{
-	const double max[3] = {4, 3, 2};
-	struct mp_request request = request_plain();
-	struct mesh m = {0};
-	struct mp_report r;
-
-	(void)state;
-	mesh_box(&m, ORIGIN, max);
-	request.density_kind = MP_DENSITY_FROM_MASS;
-	request.density = 0.7;
-	report_of_binary(&m, &request, &r);
-	assert_true(r.has_density && r.density_defined && r.density == 0.7 / 24);
-	assert_true(r.total.mass == 0.7);
-	assert_relative(r.total.inertia[0][0], 0.7 * (9 + 4) / 12, 2e-16);
-	mp_report_free(&r);
-	mesh_free(&m);
-}
-
-static void test_without_a_density_mass_is_volume(void **state)
-{
-	const double max[3] = {4, 3, 2};
-	struct mesh m = {0};
-	struct mp_report r;
-
-	(void)state;
-	mesh_box(&m, ORIGIN, max);
-	report_of_binary(&m, NULL, &r);
-	assert_false(r.has_density);
-	assert_false(r.density_defined);
-	assert_true(r.total.mass_defined && r.total.mass == 24 && r.total.inertia[2][2] == 50);
-	mp_report_free(&r);
-	mesh_free(&m);
-}
-
-static void test_inertia_about_point_and_axis(void **state)
-{
-	const double max[3] = {4, 3, 2};
-	struct mp_request request = request_plain();
-	struct mesh m = {0};
-	struct mp_report r;
-
-	(void)state;
-	mesh_box(&m, ORIGIN, max);
-	request.has_about = request.has_axis = true;
-	memcpy(request.about, max, sizeof max);
-	request.axis_origin[0] = 10;
-	request.axis_direction[2] = -1e-200;
-	report_of_binary(&m, &request, &r);
-	/* the far corner sees what the origin sees */
-	assert_true(r.inertia_about_defined && r.axis_defined);
-	assert_tensor((const double(*)[3])r.inertia_about, (const double(*)[3])r.inertia_origin, 0);
-	assert_true(r.inertia_about[0][0] == 24 * (9 + 4) / 3.0);
-	assert_true(r.inertia_about[0][1] == -24 * 2 * 1.5);
-	/* I_C + m (8^2 + 1.5^2) */
-	assert_true(r.axis.direction[2] == -1 && r.axis.origin[0] == 10);
-	assert_true(r.axis.moment == 50 + 24 * (64 + 2.25));
-	assert_true(r.axis.radius_defined);
-	assert_relative(r.axis.radius_of_gyration, sqrt(50 / 24.0 + 66.25), 2e-16);
-	mp_report_free(&r);
-	request.axis_direction[0] = request.axis_direction[1] = 3e300;
-	request.axis_direction[2] = 3e300;
-	memset(request.axis_origin, 0, sizeof request.axis_origin);
-	report_of_binary(&m, &request, &r);
-	for (int k = 0; k < 3; k++)
-		assert_relative(r.axis.direction[k], sqrt(1 / 3.0), 2e-16);
-	/* d I d with the tensor about the origin, which the axis passes through */
-	assert_relative(
-	    r.axis.moment,
-	    (r.inertia_origin[0][0] + r.inertia_origin[1][1] + r.inertia_origin[2][2] +
-	     2 * (r.inertia_origin[0][1] + r.inertia_origin[1][2] + r.inertia_origin[2][0])) /
-		3,
-	    4e-16);
-	mp_report_free(&r);
-	mesh_free(&m);
-}
-
 static void assert_same_mass(const struct mp_mass *a, const struct mp_mass *b)
 {
 	assert_memory_equal(&a->volume, &b->volume, sizeof a->volume);
@@ -376,132 +216,6 @@ static void test_options_may_follow_the_file(void **state)
 	mesh_free(&m);
 }
 
-/* As text every coordinate is a double: exact on a grid, however far away. */
-static void test_far_away_nothing_is_lost(void **state)
-{
-	struct mesh m = {0};
-	struct mp_report near, far;
-
-	(void)state;
-	mesh_torus(&m, 3, 1, 24, 15);
-	for (size_t i = 0; i < 9 * m.count; i++)
-		m.tri[i / 9][i % 9] = nearbyint(ldexp(m.tri[i / 9][i % 9], 30)) * 0x1p-30;
-	report_of_ascii(&m, NULL, &near);
-	mesh_move(&m, 0, 1e6, -2e6, 3e6);
-	report_of_ascii(&m, NULL, &far);
-	assert_true(near.total.volume == far.total.volume && near.total.area == far.total.area);
-	assert_memory_equal(near.total.inertia, far.total.inertia, sizeof near.total.inertia);
-	assert_relative(far.total.centroid[0], 1e6 + near.total.centroid[0], 1e-15);
-	assert_relative(far.total.centroid[1], -2e6 + near.total.centroid[1], 1e-15);
-	mp_report_free(&near);
-	mp_report_free(&far);
-	mesh_free(&m);
-}
-
-static void test_float32_far_away_nothing_is_lost(void **state)
-{
-	const double max[3] = {40.25, 30.5, 20.75};
-	struct mesh m = {0};
-	struct mp_report near, far;
-
-	(void)state;
-	mesh_box(&m, ORIGIN, max);
-	report_of_binary(&m, NULL, &near);
-	mesh_move(&m, 0, 1e6, 1e6, -1e6);
-	report_of_binary(&m, NULL, &far);
-	assert_true(near.total.volume == 40.25 * 30.5 * 20.75);
-	assert_true(near.total.volume == far.total.volume);
-	assert_memory_equal(near.total.inertia, far.total.inertia, sizeof near.total.inertia);
-	for (int k = 0; k < 3; k++)
-		assert_true(far.total.centroid[k] == (k == 2 ? -1e6 : 1e6) + max[k] / 2);
-	mp_report_free(&near);
-	mp_report_free(&far);
-	mesh_free(&m);
-}
-
-static int refusal(const void *bytes, size_t size, size_t step, enum mp_format_wish format,
-		   struct mp_error *err)
-{
-	struct mp_request request = request_plain();
-	struct mp_report r;
-
-	request.format = format;
-	memset(err, 0, sizeof *err);
-	assert_int_equal(report_of_file(bytes, size, step, &request, &r, err), -1);
-	assert_true(strlen(err->text) > 0);
-	return err->code;
-}
-
-static void test_formats_that_are_not_read(void **state)
-{
-	static const char OBJ[] = "# a comment\r\no part\r\n\r\n  v 1 -2 .5\r\nf 1 1 1\r\n";
-	static const uint8_t DRACO[] = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0, 9, 9};
-	struct mp_error err;
-
-	(void)state;
-	for (size_t step = 0; step < sizeof OBJ; step++) {
-		assert_int_equal(refusal(OBJ, sizeof OBJ - 1, step, MP_WISH_AUTO, &err),
-				 MP_UNSUPPORTED);
-		assert_non_null(strstr(err.text, "OBJ"));
-	}
-	assert_int_equal(refusal(DRACO, sizeof DRACO, 1, MP_WISH_AUTO, &err), MP_UNSUPPORTED);
-	assert_non_null(strstr(err.text, "Draco"));
-	assert_int_equal(refusal("", 0, 0, MP_WISH_OBJ, &err), MP_UNSUPPORTED);
-	assert_non_null(strstr(err.text, "OBJ"));
-	assert_int_equal(refusal("", 0, 0, MP_WISH_DRACO, &err), MP_UNSUPPORTED);
-	assert_non_null(strstr(err.text, "Draco"));
-}
-
-static void test_obj_longer_than_the_first_bytes(void **state)
-{
-	char text[20000];
-	struct mp_error err;
-
-	(void)state;
-	for (size_t at = 0; at < sizeof text; at += 20)
-		memcpy(text + at, "v 1.5 2.25 -0.12345\n", 20);
-	assert_int_equal(refusal(text, sizeof text, 0, MP_WISH_AUTO, &err), MP_UNSUPPORTED);
-	assert_int_equal(refusal(text, sizeof text, 777, MP_WISH_AUTO, &err), MP_UNSUPPORTED);
-}
-
-/* Words in the header of a binary STL, and names in a text one, mean nothing. */
-static void test_stl_with_the_words_of_others(void **state)
-{
-	static const char *const HEADER[] = {"v 1 2 3\nv 1 2 3\nf 1 2 3\n", "DRACO is not here",
-					     "solid facet normal", "OFF"};
-	const double max[3] = {1, 1, 1};
-	struct mp_request request = request_plain();
-	struct mesh m = {0};
-
-	(void)state;
-	mesh_box(&m, ORIGIN, max);
-	for (size_t i = 0; i < sizeof HEADER / sizeof *HEADER; i++) {
-		size_t size;
-		uint8_t *file = mesh_stl_binary(&m, HEADER[i], &size);
-		struct mp_report r;
-		struct mp_error err;
-
-		assert_int_equal(report_of_file(file, size, 0, &request, &r, &err), 0);
-		assert_int_equal(r.notes.format, MP_FORMAT_STL_BINARY);
-		mp_report_free(&r);
-		free(file);
-	}
-	mesh_free(&m);
-}
-
-static void test_what_is_no_mesh(void **state)
-{
-	struct mp_error err;
-
-	(void)state;
-	for (int format = MP_WISH_AUTO; format <= MP_WISH_STL; format++) {
-		assert_int_equal(refusal("", 0, 0, (enum mp_format_wish)format, &err), MP_EMPTY);
-		assert_int_equal(
-		    refusal("solid nothing\nendsolid\n", 23, 1, (enum mp_format_wish)format, &err),
-		    MP_NO_FACES);
-	}
-}
-
 static void test_triangle_limit(void **state)
 {
 	struct mp_request request = request_plain();
@@ -526,7 +240,8 @@ static void test_triangle_limit(void **state)
 	mesh_free(&m);
 }
 
-/* Every allocation fails once: an error that says so, nothing leaks, and without it all is well. */
+/* Every allocation fails once: an error that says so or, where it is dispensable, a whole report.
+ */
 static void test_every_allocation_may_fail(void **state)
 {
 	struct mp_request request = request_plain();
@@ -538,23 +253,27 @@ static void test_every_allocation_may_fail(void **state)
 		size_t size;
 		uint8_t *file =
 		    ascii ? mesh_stl_ascii(&m, "named", &size) : mesh_stl_binary(&m, NULL, &size);
-		int ret = -1;
+		struct mp_report whole, r;
+		struct mp_error err;
+		long asked = 0;
 
-		for (long n = 1; ret != 0; n++) {
-			struct mp_report r;
-			struct mp_error err = {0};
+		assert_int_equal(report_of_file(file, size, 0, &request, &whole, &err), 0);
+		for (long n = 1; asked >= n - 1; n++) {
 			long before = alloc_count();
+			int ret;
 
 			alloc_fail_at(n);
-			ret = report_of_file(file, size, 5000, &request, &r, &err);
+			ret = report_of_file(file, size, 0, &request, &r, &err);
+			asked = alloc_count() - before;
 			alloc_fail_at(0);
 			if (ret == 0)
-				assert_true(alloc_count() - before < n);
+				assert_same_report(&whole, &r);
 			else
 				assert_int_equal(err.code, MP_NOMEM);
-			assert_true(n < 10000);
 			mp_report_free(&r);
 		}
+		assert_true(asked > 20);
+		mp_report_free(&whole);
 		free(file);
 	}
 	mesh_free(&m);
@@ -582,7 +301,7 @@ static void test_bodies_take_the_names_of_solids(void **state)
 	struct mp_report r;
 	struct mp_error err;
 	size_t a, b, c;
-	uint8_t *file;
+	uint8_t *file, *part;
 
 	(void)state;
 	mesh_box(&first, ORIGIN, box[0]);
@@ -593,11 +312,13 @@ static void test_bodies_take_the_names_of_solids(void **state)
 	second.count = 3;
 	mesh_box(&second, box[1], box[2]);
 	file = mesh_stl_ascii(&first, "left half", &a);
-	file = join(file, a, mesh_stl_ascii(&second, "right", &b), b);
+	part = mesh_stl_ascii(&second, "right", &b);
+	file = join(file, a, part, b);
 	mesh_move(&second, 3, 0, 0, 10);
 	memmove(second.tri, second.tri + 3, 12 * sizeof *second.tri);
 	second.count = 12;
-	file = join(file, a + b, mesh_stl_ascii(&second, "", &c), c);
+	part = mesh_stl_ascii(&second, "", &c);
+	file = join(file, a + b, part, c);
 	assert_int_equal(report_of_file(file, a + b + c, 0, &request, &r, &err), 0);
 	assert_int_equal(r.bodies_listed, 4);
 	assert_int_equal(r.body[0].name_len, 9);
@@ -616,21 +337,10 @@ static void test_bodies_take_the_names_of_solids(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(test_wedge_of_the_paper),
-	    cmocka_unit_test(test_box_of_the_contract),
-	    cmocka_unit_test(test_weighed_mass_gives_the_density),
-	    cmocka_unit_test(test_without_a_density_mass_is_volume),
-	    cmocka_unit_test(test_inertia_about_point_and_axis),
 	    cmocka_unit_test(test_where_a_chunk_ends_never_matters),
 	    cmocka_unit_test(test_key_never_matters),
 	    cmocka_unit_test(test_flip_is_a_reversed_file),
 	    cmocka_unit_test(test_options_may_follow_the_file),
-	    cmocka_unit_test(test_far_away_nothing_is_lost),
-	    cmocka_unit_test(test_float32_far_away_nothing_is_lost),
-	    cmocka_unit_test(test_formats_that_are_not_read),
-	    cmocka_unit_test(test_obj_longer_than_the_first_bytes),
-	    cmocka_unit_test(test_stl_with_the_words_of_others),
-	    cmocka_unit_test(test_what_is_no_mesh),
 	    cmocka_unit_test(test_triangle_limit),
 	    cmocka_unit_test(test_every_allocation_may_fail),
 	    cmocka_unit_test(test_bodies_take_the_names_of_solids),

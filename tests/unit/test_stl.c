@@ -211,6 +211,8 @@ static void count_zero_is_never_guessed_at(void **state)
 	(void)state;
 	make(0, "empty");
 	check_refused(84, MP_NO_FACES, 80, "0 facets");
+	make(0, "solid a\nfacet"); /* 84 bytes: not the beginning of a text */
+	check_refused(84, MP_NO_FACES, 80, "0 facets");
 	make(3, "facets behind a count of 0");
 	put32(file + 80, 0);
 	check_refused(84 + 150, MP_SYNTAX, 80, "count was not written");
@@ -267,7 +269,7 @@ static void stored_normals_are_only_counted(void **state)
 	put_float(3, 2, 0.0f);    /* none given */
 	put_float(4, 2, NAN);
 	put_float(5, 0, INFINITY);
-	put_float(6, 1, -INFINITY);
+	put_float(6, 2, -INFINITY);
 	put_float(7, 0, 5.0f); /* tilted, but up */
 	check_accepted(len, 10);
 	assert_int_equal(whole.notes.normals_disagreeing, 2);
