@@ -38,7 +38,14 @@ struct srv_reply {
 	bool close; /* the connection cannot be used any further */
 };
 
-enum srv_endpoint { SRV_NOWHERE, SRV_LIVEZ, SRV_READYZ, SRV_CAPABILITIES, SRV_MASS_PROPERTIES };
+enum srv_endpoint {
+	SRV_NOWHERE,
+	SRV_LIVEZ,
+	SRV_READYZ,
+	SRV_METRICS,
+	SRV_CAPABILITIES,
+	SRV_MASS_PROPERTIES
+};
 
 struct srv_exchange {
 	struct srv_exchange *previous, *next; /* all of the front's */

@@ -219,8 +219,10 @@ static void on_completed(void *cls, struct MHD_Connection *connection, void **co
 		client->since = srv_now();
 		client->served = true;
 	}
-	if (ex->head_seen)
+	if (ex->head_seen) {
 		log_access(ex);
+		srv_metrics_count(&h->front->metrics, ex);
+	}
 	srv_exchange_free(ex);
 }
 

@@ -51,10 +51,11 @@ static int tell(struct srv_worker *w, enum srv_message what, const int *fd, size
 	return srv_channel_send(w->sock, &byte, 1, fd, fds);
 }
 
-static void kill_worker(struct srv_worker *w)
+static void kill_worker(struct srv_pool *p, struct srv_worker *w, enum srv_loss cause)
 {
 	if (w->state == SRV_DYING || w->state == SRV_ABSENT)
 		return;
+	srv_metrics_lost(&p->front->metrics, cause);
 	w->state = SRV_DYING;
 	w->exchange = NULL;
 	(void)syscall(SYS_pidfd_send_signal, w->pidfd, SIGKILL, NULL, 0);
@@ -75,18 +76,21 @@ void srv_pool_add(struct srv_pool *p, unsigned slot, pid_t pid, int sock, int pi
 	w->pid = pid;
 	w->state = SRV_IDLE;
 	if (srv_front_watch(p->front, sock, SRV_EV_WORKER, slot, EPOLLIN) != 0)
-		kill_worker(w);
+		kill_worker(p, w, SRV_LOST_OUTSIDE);
 	srv_pool_dispatch(p);
+}
+
+static bool from_outside(int status)
+{
+	return WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM);
 }
 
 /* What the end of a worker means for the request it had. */
 static void blame(struct srv_exchange *ex, int status)
 {
-	bool from_outside =
-	    WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM);
 	struct api_problem problem;
 
-	if (from_outside)
+	if (from_outside(status))
 		(void)api_problem_set(&problem, API_WORKER_LOST,
 				      "the worker on this request was ended from outside; nothing "
 				      "is wrong with the file");
@@ -106,6 +110,9 @@ void srv_pool_gone(struct srv_pool *p, unsigned slot, pid_t pid, int status)
 		return;
 	srv_pool_hear(p, slot); /* it may have answered before it died */
 	ex = w->exchange;
+	if (w->state != SRV_DYING) /* else it was counted when it was told to go */
+		srv_metrics_lost(&p->front->metrics,
+				 from_outside(status) ? SRV_LOST_OUTSIDE : SRV_LOST_CRASH);
 	close(w->sock); /* leaves the epoll set with it */
 	close(w->pidfd);
 	w->sock = w->pidfd = -1;
@@ -313,7 +320,7 @@ void srv_pool_drop(struct srv_pool *p, struct srv_exchange *ex)
 	if (w->state != SRV_BUSY)
 		return;
 	if (ex->body_ended) { /* deep in its work: it would not look up in time */
-		kill_worker(w);
+		kill_worker(p, w, SRV_LOST_CLIENT);
 		return;
 	}
 	w->state = SRV_CANCELLING;
@@ -329,7 +336,7 @@ void srv_pool_kill(struct srv_exchange *ex)
 	struct srv_worker *w = ex->worker;
 
 	ex->worker = NULL;
-	kill_worker(w);
+	kill_worker(&ex->front->pool, w, SRV_LOST_DEADLINE);
 }
 
 unsigned srv_pool_retry_after(const struct srv_pool *p, bool small)
@@ -362,7 +369,7 @@ void srv_pool_tick(struct srv_pool *p, double now)
 	for (unsigned i = 0; i < p->workers; i++)
 		if (p->worker[i].state == SRV_CANCELLING &&
 		    now - p->worker[i].since > cancel_grace_s)
-			kill_worker(&p->worker[i]);
+			kill_worker(p, &p->worker[i], SRV_LOST_CLIENT);
 	make_way(p);
 	srv_pool_dispatch(p);
 }

@@ -2,6 +2,7 @@
 
 #include <ctype.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/random.h>
@@ -94,6 +95,18 @@ static void readyz(struct srv_exchange *ex)
 	say_text(ex, f->draining || there == 0 ? 503 : 200, text);
 }
 
+static void metrics(struct srv_exchange *ex)
+{
+	size_t len = 0;
+	char *text = srv_metrics_text(ex->front, &len);
+
+	if (text == NULL)
+		refuse(ex, API_MEMORY_FULL, "there is no memory for an answer");
+	else
+		srv_exchange_say(ex, 200, "text/plain; version=0.0.4; charset=utf-8", text, len);
+	free(text);
+}
+
 /* ---- POST /v1/mass-properties ---- */
 
 static void copy_header(const char *value, char *out, bool *has)
@@ -164,6 +177,7 @@ static const struct route {
 } routes[] = {
     {"/livez", SRV_LIVEZ, false},
     {"/readyz", SRV_READYZ, false},
+    {"/metrics", SRV_METRICS, false},
     {"/v1/capabilities", SRV_CAPABILITIES, false},
     {"/v1/mass-properties", SRV_MASS_PROPERTIES, true},
 };
@@ -206,6 +220,8 @@ static void dispatch(struct srv_exchange *ex, const struct srv_head *h, uint64_t
 		say_text(ex, 200, "alive\n");
 	} else if (r->endpoint == SRV_READYZ) {
 		readyz(ex);
+	} else if (r->endpoint == SRV_METRICS) {
+		metrics(ex);
 	} else if (r->endpoint == SRV_CAPABILITIES) {
 		srv_exchange_say(ex, 200, "application/json", ex->front->capabilities,
 				 ex->front->capabilities_len);
