@@ -99,6 +99,14 @@ $(BUILD)/gen/%_table.h: core/gen/gen_%.c $(BUILD)/stamp/flags | $(BUILD)/stamp/d
 	$(Q)$(CC) -I. -D_GNU_SOURCE -std=c11 -O1 $(WARN) $(MATH) -o $(@D)/gen_$* $< -lgmp -lm
 	$(Q)$(@D)/gen_$* >$@.tmp && mv $@.tmp $@
 
+# The contract as bytes for the compiler: api/openapi.json is served as it stands.
+generated += $(BUILD)/gen/openapi_json.h
+$(BUILD)/gen/openapi_json.h: api/openapi.json
+	$(call say,GEN,$@)
+	$(Q)mkdir -p $(@D)
+	$(Q)od -An -v -tx1 $< | sed 's/ \(..\)/0x\1,/g' >$@.tmp && mv $@.tmp $@
+$(BUILD)/api/openapi.o: $(BUILD)/gen/openapi_json.h
+
 # Files that change only when what they say does, for everything to depend on: the commands, the
 # members of the libraries.
 $(BUILD)/stamp/flags: text = $(compile) $(link) $(LDLIBS) $(shell $(CC) --version 2>/dev/null)

@@ -7,6 +7,7 @@
 #include <strings.h>
 #include <sys/random.h>
 
+#include "api/openapi.h"
 #include "server/clock.h"
 #include "server/front_private.h"
 
@@ -178,6 +179,7 @@ static const struct route {
     {"/livez", SRV_LIVEZ, false},
     {"/readyz", SRV_READYZ, false},
     {"/metrics", SRV_METRICS, false},
+    {"/openapi.json", SRV_OPENAPI, false},
     {"/v1/capabilities", SRV_CAPABILITIES, false},
     {"/v1/mass-properties", SRV_MASS_PROPERTIES, true},
 };
@@ -222,6 +224,8 @@ static void dispatch(struct srv_exchange *ex, const struct srv_head *h, uint64_t
 		readyz(ex);
 	} else if (r->endpoint == SRV_METRICS) {
 		metrics(ex);
+	} else if (r->endpoint == SRV_OPENAPI) {
+		srv_exchange_say(ex, 200, "application/json", api_openapi, api_openapi_len);
 	} else if (r->endpoint == SRV_CAPABILITIES) {
 		srv_exchange_say(ex, 200, "application/json", ex->front->capabilities,
 				 ex->front->capabilities_len);
