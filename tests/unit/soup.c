@@ -57,6 +57,21 @@ void soup_free(struct soup *s)
 	memset(s, 0, sizeof *s);
 }
 
+void soup_divide(struct soup *s, size_t first)
+{
+	for (size_t i = first, n = s->count; i < n; i++) {
+		double p[3][3], m[3][3];
+
+		memcpy(p, s->tri[i], sizeof p);
+		for (int c = 0; c < 3; c++)
+			for (int k = 0; k < 3; k++)
+				m[c][k] = (p[c][k] + p[(c + 1) % 3][k]) / 2;
+		for (int c = 0; c < 3; c++)
+			soup_add(s, p[c], m[c], m[(c + 2) % 3]);
+		memcpy(s->tri[i], m, sizeof m);
+	}
+}
+
 /* a, b, c, d counter-clockwise seen from outside; the diagonal is a, c. */
 static void quad(struct soup *s, const double *a, const double *b, const double *c, const double *d)
 {
@@ -194,4 +209,19 @@ void found_free(struct found *f)
 	mp_topology_free(&f->t);
 	built_free(&f->built);
 	soup_free(&f->soup);
+}
+
+void found_boxes(const struct found *f, struct mp_box *box)
+{
+	for (uint32_t t = 0; t < f->built.mesh.triangles; t++) {
+		for (int k = 0; k < 9; k++) {
+			struct mp_box *b = &box[f->t.body_of[t]];
+			double x = f->soup.tri[t][k];
+
+			if (t == f->t.body[f->t.body_of[t]].first && k < 3)
+				b->min[k] = b->max[k] = x;
+			b->min[k % 3] = fmin(b->min[k % 3], x);
+			b->max[k % 3] = fmax(b->max[k % 3], x);
+		}
+	}
 }

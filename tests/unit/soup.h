@@ -1,6 +1,7 @@
 #ifndef SOUP_H
 #define SOUP_H
 
+#include "core/nesting.h"
 #include "core/topology.h"
 
 /* Triangles to test with, and the mesh that the vertex table makes of them. */
@@ -14,6 +15,8 @@ void soup_add(struct soup *, const double a[3], const double b[3], const double 
 void soup_copy(struct soup *, const struct soup *from, double scale, const double shift[3]);
 void soup_drop(struct soup *, size_t triangle); /* the last takes its place */
 void soup_flip(struct soup *, size_t triangle);
+/* Each of the triangles from ${first} on in four, on the same surface. */
+void soup_divide(struct soup *, size_t first);
 void soup_free(struct soup *);
 
 /* An axis-parallel box of 12 triangles; the diagonals of opposite faces are parallel. */
@@ -47,5 +50,7 @@ struct found {
 };
 void found_look(struct found *, uint32_t most); /* build and mp_topology_find() */
 void found_free(struct found *);
+/* Of each body; every triangle must have edges. */
+void found_boxes(const struct found *, struct mp_box *);
 
 #endif

@@ -70,7 +70,7 @@ static inline int seen_part(void *self, uint64_t first, const char *name, size_t
 static inline void seen_decode(struct seen *s, const void *bytes, size_t len, size_t first,
 			       size_t step, uint64_t most)
 {
-	const struct mp_sink sink = {seen_block, seen_part, s};
+	const struct mp_sink sink = {.block = seen_block, .part = seen_part, .self = s};
 	const struct mp_limits limits = {most};
 	uint64_t fail_at = s->fail_at;
 	bool fail_part = s->fail_part;

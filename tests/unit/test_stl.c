@@ -8,83 +8,9 @@
 #include <math.h>
 
 #include "alloc_fail.h"
-#include "stl_seen.h"
+#include "stl_binary_file.h"
 
-/* Binary STL, and telling binary from text.  Text: test_stl_ascii.c. */
-
-enum { MOST = 700 };
-static const size_t all = SIZE_MAX; /* one chunk */
-static const uint64_t roomy = 1000000;
-
-static uint8_t file[84 + 50 * MOST + 4096];
-static struct seen whole, other;
-
-static void put32(uint8_t *p, uint32_t v)
-{
-	for (int i = 0; i < 4; i++)
-		p[i] = (uint8_t)(v >> 8 * i);
-}
-
-static void put_float(size_t facet, size_t number, float f) /* 0-2 the normal, 3-11 corners */
-{
-	uint32_t bits;
-
-	memcpy(&bits, &f, sizeof bits);
-	put32(file + 84 + 50 * facet + 4 * number, bits);
-}
-
-/* ${count} facets in z = facet number, wound counter-clockwise seen from above, normal up. */
-static size_t make(size_t count, const char *header)
-{
-	size_t len = strlen(header);
-
-	memset(file, 0, sizeof file);
-	memcpy(file, header, len < 80 ? len : 80);
-	put32(file + 80, (uint32_t)count);
-	for (size_t i = 0; i < count; i++) {
-		float z = (float)i + 0.125f;
-
-		put_float(i, 2, 1.0f);
-		put_float(i, 3, -1.5f);
-		put_float(i, 5, z);
-		put_float(i, 6, 3.25f);
-		put_float(i, 8, z);
-		put_float(i, 9, 0.1f);
-		put_float(i, 10, 2.0f);
-		put_float(i, 11, z);
-	}
-	return 84 + 50 * count;
-}
-
-static void decode(size_t len)
-{
-	seen_decode(&whole, file, len, all, all, roomy);
-	assert_false(whole.wrong);
-}
-
-static void check_accepted(size_t len, size_t triangles)
-{
-	decode(len);
-	if (whole.ret != 0)
-		fail_msg("refused: %s", whole.err.text);
-	assert_int_equal(whole.count, triangles);
-	assert_int_equal(whole.notes.format, MP_FORMAT_STL_BINARY);
-	seen_decode(&other, file, len, 1, 3, roomy);
-	assert_true(seen_same(&whole, &other));
-}
-
-static void check_refused(size_t len, enum mp_code code, uint64_t byte, const char *word)
-{
-	decode(len);
-	if (whole.ret == 0 || whole.err.code != code || whole.err.byte != byte ||
-	    strstr(whole.err.text, word) == NULL)
-		fail_msg("%zu bytes: %d, code %d, byte %llu: %s", len, whole.ret, whole.err.code,
-			 (unsigned long long)whole.err.byte, whole.err.text);
-	for (size_t step = 1; step < 80; step += 13) {
-		seen_decode(&other, file, len, step, step, roomy);
-		assert_true(seen_same(&whole, &other));
-	}
-}
+/* Binary STL.  Telling it from text: test_stl_sniff.c; text: test_stl_ascii.c. */
 
 static void reads_what_was_written(void **state)
 {
@@ -297,111 +223,6 @@ static void attribute_bytes_are_ignored(void **state)
 	assert_true(whole.hash == hash);
 }
 
-static void a_header_may_say_anything(void **state)
-{
-	static const char *const headers[] = {
-	    "solid",
-	    "solid name\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendsolid",
-	    "facet normal 0 0 1 outer loop",
-	    "SOLID\r\nFACET",
-	    "\xef\xbb\xbfsolid x\nendsolid",
-	    "\x80\xff\xfe caf\xe9",
-	    "# solid\nsolid\nfacet",
-	    "PK\x03\x04",
-	    "<html>",
-	    "version https://git-lfs",
-	};
-
-	(void)state;
-	for (size_t i = 0; i < sizeof headers / sizeof headers[0]; i++) {
-		check_accepted(make(2, headers[i]), 2);
-		check_accepted(make(200, headers[i]), 200); /* longer than the window */
-	}
-	memset(file, 0xff, 80);
-	check_accepted(84 + 50 * 200, 200);
-}
-
-static size_t put_text(const char *text)
-{
-	memset(file, 0, sizeof file);
-	strcpy((char *)file, text);
-	return strlen(text);
-}
-
-static void other_files_are_named(void **state)
-{
-	size_t len;
-
-	(void)state;
-	len =
-	    put_text("version https://git-lfs.github.com/spec/v1\n"
-		     "oid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393\n"
-		     "size 12345\n");
-	check_refused(len, MP_SYNTAX, 0, "Git LFS");
-	check_refused(60, MP_SYNTAX, 0, "Git LFS");
-	len = put_text("\n <!DOCTYPE html>\n<html><body>404 not found</body></html>");
-	check_refused(len, MP_SYNTAX, 0, "HTML");
-	memset(file + len, ' ', 5000);
-	check_refused(5000, MP_SYNTAX, 0, "HTML");
-	put_text("<?xml version=\"1.0\"?>");
-	check_refused(21, MP_SYNTAX, 0, "XML");
-	for (size_t n = 20; n < 8000; n *= 2) {
-		memset(file, 0x91, sizeof file);
-		memcpy(file, "\x1f\x8b\x08", 3);
-		check_refused(n, MP_SYNTAX, 0, "gzip");
-		memcpy(file, "PK\x03\x04", 4);
-		check_refused(n, MP_SYNTAX, 0, "zip");
-		memcpy(file, "\x89PNG", 4);
-		check_refused(n, MP_SYNTAX, 0, "PNG");
-		for (size_t i = 0; i < n; i++)
-			file[i] = i % 2 ? 0 : (uint8_t) "solid a\nfacet normal "[i / 2 % 21];
-		check_refused(n, MP_SYNTAX, 0, "UTF-16");
-		memcpy(file, "\xff\xfes", 3);
-		check_refused(n, MP_SYNTAX, 0, "UTF-16");
-	}
-}
-
-static void mangled_binary_is_named(void **state)
-{
-	static uint8_t good[84 + 50 * 200];
-	size_t size = make(200, "h"), len = 80;
-
-	(void)state;
-	memcpy(good, file, size);
-	for (size_t i = 80; i < size; i++) { /* as an editor in UTF-8 saves it */
-		if (good[i] < 0x80) {
-			file[len++] = good[i];
-		} else {
-			memcpy(file + len, "\xef\xbf\xbd", 3);
-			len += 3;
-		}
-	}
-	check_refused(len, MP_SYNTAX, 0, "saved as text");
-	len = 84;
-	for (size_t i = 84; i < size; i++) { /* as a transfer in text mode leaves it */
-		if (i % 100 == 0)
-			file[len++] = '\r';
-		file[len++] = i % 100 == 0 ? '\n' : good[i];
-	}
-	check_refused(len, MP_SYNTAX, 0, "line ends");
-}
-
-static void text_that_is_no_stl_is_a_syntax_error(void **state)
-{
-	size_t len = put_text("# an OBJ file of some length, so that it is no header of a binary\n"
-			      "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-
-	(void)state;
-	check_refused(len, MP_SYNTAX, 66, "neither facet");
-	assert_int_equal(whole.err.line, 2);
-	memset(file, 'a', 5000);
-	check_refused(5000, MP_SYNTAX, 0, "neither facet");
-	check_refused(200, MP_SYNTAX, 0, "neither facet");
-	check_refused(83, MP_TRUNCATED, 83, "only 83 bytes"); /* may be half a header */
-	memset(file, '\n', 5000);
-	check_refused(5000, MP_SYNTAX, 0, "without the word solid");
-}
-
 static void a_sink_that_fails_stops_the_decoder(void **state)
 {
 	size_t len = make(700, "h");
@@ -422,7 +243,7 @@ static void a_failed_allocation_is_an_error(void **state)
 	size_t len = make(20, "h");
 	long before = alloc_count();
 	const struct mp_limits limits = {1};
-	const struct mp_sink sink = {seen_block, seen_part, &whole};
+	const struct mp_sink sink = {.block = seen_block, .part = seen_part, .self = &whole};
 	struct mp_error err = {0};
 	void *st;
 
@@ -454,10 +275,6 @@ int main(void)
 	    cmocka_unit_test(coordinates_that_are_not_finite_are_refused_with_their_place),
 	    cmocka_unit_test(stored_normals_are_only_counted),
 	    cmocka_unit_test(attribute_bytes_are_ignored),
-	    cmocka_unit_test(a_header_may_say_anything),
-	    cmocka_unit_test(other_files_are_named),
-	    cmocka_unit_test(mangled_binary_is_named),
-	    cmocka_unit_test(text_that_is_no_stl_is_a_syntax_error),
 	    cmocka_unit_test(a_sink_that_fails_stops_the_decoder),
 	    cmocka_unit_test(a_failed_allocation_is_an_error),
 	};

@@ -5,85 +5,9 @@
 
 #include <cmocka.h>
 
-#include <math.h>
+#include "stl_text_file.h"
 
-#include "stl_seen.h"
-
-/* Text STL; binary and telling the two apart: test_stl.c. */
-
-static const size_t all = SIZE_MAX; /* one chunk */
-static const uint64_t roomy = 1000000;
-static struct seen whole, padded_whole, other;
-enum { WINDOW = 4096 };
-
-#define LOOP        "outer loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
-#define FACET       "facet normal 0 0 1\n" LOOP "endfacet\n"
-#define STL(facets) "solid s\n" facets "endsolid s\n"
-
-/*
- * Cut at every place and into pieces of every size up to 199: always the same.  A text shorter than
- * the window of the sniffer is decoded in one go however it came, so the cuts are made behind
- * blanks that fill the window; from there on the answer is the one for the text alone.
- */
-static void decode_text(const char *text, size_t len)
-{
-	size_t size = WINDOW + len;
-	char *padded = malloc(size);
-	struct seen *cut = &other;
-
-	assert_non_null(padded);
-	memset(padded, ' ', WINDOW);
-	memcpy(padded + WINDOW, text, len);
-	seen_decode(&padded_whole, padded, size, all, all, roomy);
-	for (size_t at = 0; at <= len && len < 2000; at++) {
-		seen_decode(cut, padded, size, WINDOW + at, all, roomy);
-		if (!seen_same(&padded_whole, cut))
-			fail_msg("cut at %zu: %s / %s", at, padded_whole.err.text, cut->err.text);
-	}
-	for (size_t step = 1; step < 200; step++) {
-		seen_decode(cut, padded, size, WINDOW, step, roomy);
-		if (!seen_same(&padded_whole, cut))
-			fail_msg("step %zu: %s / %s", step, padded_whole.err.text, cut->err.text);
-	}
-	free(padded);
-	seen_decode(&whole, text, len, all, all, roomy);
-	assert_false(whole.wrong);
-	seen_decode(cut, text, len, len / 2, 1, roomy);
-	assert_true(seen_same(&whole, cut));
-	if (len > 2 && memcmp(text, "\xef\xbb\xbf", 3) == 0) /* only at the beginning */
-		return;
-	assert_int_equal(whole.ret, padded_whole.ret);
-	assert_int_equal(whole.err.code, padded_whole.err.code);
-	assert_int_equal(whole.err.line, padded_whole.err.line);
-	assert_true(whole.hash == padded_whole.hash);
-}
-
-static void check_accepted(const char *text, uint64_t triangles, const char *parts)
-{
-	decode_text(text, strlen(text));
-	if (whole.ret != 0)
-		fail_msg("refused: %s (line %llu) in:\n%.300s", whole.err.text,
-			 (unsigned long long)whole.err.line, text);
-	assert_int_equal(whole.notes.format, MP_FORMAT_STL_ASCII);
-	assert_int_equal(whole.count, triangles);
-	assert_string_equal(whole.parts, parts);
-}
-
-static void check_refused_bytes(const char *text, size_t len, enum mp_code code, uint64_t line,
-				uint64_t byte)
-{
-	decode_text(text, len);
-	if (whole.ret == 0 || whole.err.code != code || whole.err.line != line ||
-	    (byte != 0 && whole.err.byte != byte))
-		fail_msg("code %d, line %llu, byte %llu: %s for:\n%.400s", whole.err.code,
-			 (unsigned long long)whole.err.line, (unsigned long long)whole.err.byte,
-			 whole.err.text, text);
-}
-
-static void check_refused(const char *text, enum mp_code code, uint64_t line)
-{
-	check_refused_bytes(text, strlen(text), code, line, 0);
-}
+/* Text STL: what is read.  What is refused: test_stl_ascii_bad.c; binary: test_stl.c. */
 
 static void reads_what_was_written(void **state)
 {
@@ -263,147 +187,6 @@ static void a_facet_without_solid_begins_a_nameless_one(void **state)
 	assert_int_equal(whole.notes.missing_endsolid, 0);
 }
 
-static void a_facet_has_three_vertices_of_three_numbers(void **state)
-{
-	(void)state;
-	check_refused(STL("facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n"
-			  "endfacet\n"),
-		      MP_SYNTAX, 6);
-	check_refused(
-	    STL("facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\n"
-		"vertex 0 1 0\nendloop\nendfacet\n"),
-	    MP_SYNTAX, 7);
-	check_refused(STL("facet normal 0 0 1\nouter loop\nvertex 0 0\nvertex 1 0 0\n"), MP_SYNTAX,
-		      5);
-	check_refused(STL("facet normal 0 0 1\nouter loop\nvertex 0 0 0 0\n"), MP_SYNTAX, 4);
-	check_refused(STL("facet normal 0 0 1\nouter loop\nvertex 0 abc 0\n"), MP_SYNTAX, 4);
-	check_refused(STL("facet normal 0 0 1\nouter loop\nvertex 0 0x10 0\n"), MP_SYNTAX, 4);
-	check_refused(STL("facet normal 0 0 1\nouter loop\nvertex 0 1,5 0\n"), MP_SYNTAX, 4);
-	check_refused(STL("facet normal 0 0 1\nouter loop\nvertex 0,1,0\n"), MP_SYNTAX, 4);
-	check_refused_bytes(STL("facet normal 0 0 1\nouter loop\nvertex 0 1e 0\n"),
-			    strlen(STL("facet normal 0 0 1\nouter loop\nvertex 0 1e 0\n")),
-			    MP_SYNTAX, 4, 8 + 19 + 11 + 9);
-}
-
-static void unknown_words_are_refused_with_their_line(void **state)
-{
-	(void)state;
-	check_refused(STL("face normal 0 0 1\n" LOOP "endfacet\n"), MP_SYNTAX, 2);
-	check_refused(STL(FACET "color 1 0 0\n"), MP_SYNTAX, 9);
-	check_refused(STL("facet normal 0 0 1\nouterloop\n" FACET), MP_SYNTAX, 3);
-	check_refused(STL("facet normal 0 0 1\nouter\nvertex 0 0 0\n"), MP_SYNTAX, 4);
-	check_refused(STL("facet normal normal 0 0 1\n" LOOP "endfacet\n"), MP_SYNTAX, 2);
-	check_refused(STL("facet normal 0 0 1\nfacet normal 0 0 1\n"), MP_SYNTAX, 3);
-	check_refused(STL("facet normal 0 0 1\n" LOOP "endsolid\n"), MP_SYNTAX, 8);
-	check_refused(STL("facet normal 0 0 1\n" LOOP LOOP "endfacet\n"), MP_SYNTAX, 8);
-	check_refused(STL(FACET) "endsolid\n", MP_SYNTAX, 10);
-	check_refused(STL(FACET) "and so on\n", MP_SYNTAX, 10);
-	check_refused(STL(FACET) "v 0 0 0\n", MP_SYNTAX, 10);
-	check_refused("solid\r\rx\r\n\nfacet\n endsolid", MP_SYNTAX, 3); /* 4 ways to end a line */
-	check_refused("solid\r\n\r\nx\r\nfacet", MP_SYNTAX, 3);
-	check_refused_bytes("solid\n\n  facets\n facet", 22, MP_SYNTAX, 3, 9);
-	check_refused_bytes("\xef\xbb\xbfsolid\nx\nfacet", 16, MP_SYNTAX, 2, 9);
-}
-
-static void what_is_not_finite_is_refused_with_its_line(void **state)
-{
-	static const char *const words[] = {"nan",    "-NaN",    "inf",      "-Infinity", "1e999",
-					    "-1e400", "1.#QNAN", "nan(ind)", "1.#INF000"};
-	char text[400];
-
-	(void)state;
-	for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-		sprintf(text,
-			"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n vertex 1 %s 0\n"
-			"vertex 0 1 0\nendloop\nendfacet\nendsolid\n",
-			words[i]);
-		check_refused_bytes(text, strlen(text), MP_NON_FINITE, 5, 61);
-		assert_non_null(strstr(whole.err.text, "y of vertex 2"));
-	}
-}
-
-static void an_end_inside_a_facet_is_truncation(void **state)
-{
-	const char *text = STL(FACET FACET);
-	size_t last = strlen(STL(FACET FACET)) - strlen("\nendsolid s\n");
-
-	(void)state;
-	for (size_t n = 1; n < last; n++) {
-		uint64_t line = 1;
-
-		seen_decode(&whole, text, n, all, all, roomy);
-		for (size_t i = 0; i < n; i++)
-			line += text[i] == '\n';
-		if (n >= 93 && n <= 94) { /* the first facet is complete, nothing of the next */
-			assert_int_equal(whole.ret, 0);
-			assert_int_equal(whole.notes.missing_endsolid, 1);
-			continue;
-		}
-		assert_int_equal(whole.ret, -1);
-		assert_int_equal(whole.err.code, MP_TRUNCATED);
-		assert_int_equal(whole.err.byte, n);
-		if (n > 12)
-			assert_int_equal(whole.err.line, line);
-		seen_decode(&other, text, n, 3, 1, roomy);
-		assert_true(seen_same(&whole, &other));
-	}
-	check_refused(STL(FACET) "solid t\n" FACET "endsol", MP_TRUNCATED, 18);
-	check_refused(STL(FACET) "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0.1e",
-		      MP_TRUNCATED, 13);
-}
-
-static void a_solid_without_facets_has_no_faces(void **state)
-{
-	(void)state;
-	check_refused("solid OpenSCAD_Model\nendsolid OpenSCAD_Model\n", MP_NO_FACES, 0);
-	check_refused("solid\nendsolid", MP_NO_FACES, 0);
-	check_refused("solid a\nendsolid a\nsolid b\nendsolid b\n", MP_NO_FACES, 0);
-	check_refused("solid a\nsolid b\n#\n#\n#\nendsolid", MP_NO_FACES, 0);
-}
-
-static void control_characters_are_refused_but_for_padding_at_the_end(void **state)
-{
-	static const char padded[] = STL(FACET) "\0\0\x1a\0 \r\n\0";
-	static const char nul[] = STL(FACET "facet normal 0 0 1\0\n" LOOP "endfacet\n");
-	static const char name[] = "solid a\0b\n" FACET "endsolid\n";
-	static const char unpadded[] = STL(FACET) "\0\0\nsolid\n";
-	char text[200];
-
-	(void)state;
-	decode_text(padded, sizeof padded - 1);
-	assert_int_equal(whole.ret, 0);
-	assert_int_equal(whole.notes.trailing_bytes, 8);
-	decode_text("solid s\n" FACET "endsolid s\0", sizeof "solid s\n" FACET "endsolid s");
-	assert_int_equal(whole.ret, 0);
-	assert_int_equal(whole.notes.trailing_bytes, 1);
-	check_refused_bytes(nul, sizeof nul - 1, MP_SYNTAX, 9, strlen(nul));
-	check_refused_bytes(name, sizeof name - 1, MP_SYNTAX, 1, 7);
-	check_refused_bytes(unpadded, sizeof unpadded - 1, MP_SYNTAX, 10, strlen(unpadded));
-	for (char c = 1; c < 32; c++) {
-		if (strchr("\t\n\v\f\r\x1a", c) != NULL)
-			continue;
-		strcpy(text, STL(FACET FACET));
-		text[30] = c;
-		check_refused_bytes(text, strlen(text), MP_SYNTAX, 3, 30);
-	}
-}
-
-static void the_limit_judges_what_has_come(void **state)
-{
-	(void)state;
-	for (size_t step = 1; step < 400; step++) {
-		const char *text = STL(FACET FACET FACET);
-
-		seen_decode(&whole, text, strlen(text), step, step, 3);
-		assert_int_equal(whole.ret, 0);
-		seen_decode(&whole, text, strlen(text), step, step, 2);
-		assert_int_equal(whole.err.code, MP_LIMIT);
-		assert_int_equal(whole.err.limit, 2);
-		assert_int_equal(whole.err.actual, 3);
-		assert_int_equal(whole.err.byte, 8 + 3 * strlen(FACET) - 9);
-	}
-}
-
 /*
  * The number ends in one digit that is not 0, up to 10^5 places behind the point.  Blanks fill the
  * window, so that the cuts are real.
@@ -490,24 +273,6 @@ static void a_long_file_is_the_same_in_any_pieces(void **state)
 	free(text);
 }
 
-static void a_sink_that_fails_stops_the_decoder(void **state)
-{
-	const char *text = STL(FACET);
-
-	(void)state;
-	whole.fail_at = 1;
-	seen_decode(&whole, text, strlen(text), all, all, roomy);
-	assert_int_equal(whole.err.code, MP_BUG);
-	assert_int_equal(whole.err.byte, 7);
-	whole.fail_at = 0;
-	whole.fail_part = true;
-	seen_decode(&whole, text, strlen(text), all, all, roomy);
-	assert_int_equal(whole.err.byte, 8);
-	seen_decode(&whole, FACET, strlen(FACET), all, all, roomy);
-	assert_int_equal(whole.err.byte, 8);
-	whole.fail_part = false;
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -521,16 +286,8 @@ int main(void)
 	    cmocka_unit_test(text_behind_the_end_of_things_is_passed_over),
 	    cmocka_unit_test(comments_are_passed_over_where_words_begin),
 	    cmocka_unit_test(a_facet_without_solid_begins_a_nameless_one),
-	    cmocka_unit_test(a_facet_has_three_vertices_of_three_numbers),
-	    cmocka_unit_test(unknown_words_are_refused_with_their_line),
-	    cmocka_unit_test(what_is_not_finite_is_refused_with_its_line),
-	    cmocka_unit_test(an_end_inside_a_facet_is_truncation),
-	    cmocka_unit_test(a_solid_without_facets_has_no_faces),
-	    cmocka_unit_test(control_characters_are_refused_but_for_padding_at_the_end),
-	    cmocka_unit_test(the_limit_judges_what_has_come),
 	    cmocka_unit_test(numbers_of_any_length_are_exact_in_pieces),
 	    cmocka_unit_test(a_long_file_is_the_same_in_any_pieces),
-	    cmocka_unit_test(a_sink_that_fails_stops_the_decoder),
 	};
 
 	return cmocka_run_group_tests_name("stl_ascii", tests, NULL, NULL);

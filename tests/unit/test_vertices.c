@@ -159,6 +159,24 @@ static void numbers_depend_on_neither_key_nor_blocks(void **unused)
 	soup_free(&s);
 }
 
+/* So many that some share their 32 bits of hash: about N^2 / 2^33 pairs. */
+static void equal_hashes_are_told_apart(void **unused)
+{
+	enum { N = 600000 };
+	struct mp_vertices *v = mp_vertices_new(some_key, NULL);
+	uint32_t out[1][3];
+
+	(void)unused;
+	for (uint32_t i = 0; i < N; i += 3) {
+		double tri[1][9] = {{i, 0, 0, i + 1, 0, 0, i + 2, 0, 0}};
+
+		assert_int_equal(mp_vertices_add(v, (const double(*)[9])tri, 1, out, NULL), 0);
+		assert_int_equal(out[0][2], i + 2);
+	}
+	assert_int_equal(mp_vertices_count(v), N);
+	mp_vertices_free(v);
+}
+
 static void a_failed_allocation_is_reported(void **unused)
 {
 	struct soup s = {0};
@@ -199,6 +217,7 @@ int main(void)
 	    cmocka_unit_test(every_double_comes_back),
 	    cmocka_unit_test(widening_keeps_numbers_and_coordinates),
 	    cmocka_unit_test(numbers_depend_on_neither_key_nor_blocks),
+	    cmocka_unit_test(equal_hashes_are_told_apart),
 	    cmocka_unit_test(a_failed_allocation_is_reported),
 	};
 

@@ -1,0 +1,109 @@
+#include "core/format.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "tests/unit/report_of.h"
+
+static const double ORIGIN[3] = {0, 0, 0};
+
+static enum mp_code refusal(const void *bytes, size_t size, size_t step, enum mp_format_wish format,
+			    struct mp_error *err)
+{
+	struct mp_request request = request_plain();
+	struct mp_report r;
+
+	request.format = format;
+	memset(err, 0, sizeof *err);
+	assert_int_equal(report_of_file(bytes, size, step, &request, &r, err), -1);
+	assert_true(strlen(err->text) > 0);
+	return err->code;
+}
+
+static void test_formats_that_are_not_read(void **state)
+{
+	static const char OBJ[] = "# a comment\r\no part\r\n\r\n  v 1 -2 .5\r\nf 1 1 1\r\n";
+	static const uint8_t DRACO[] = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0, 9, 9};
+	struct mp_error err;
+
+	(void)state;
+	for (size_t step = 0; step < sizeof OBJ; step++) {
+		assert_int_equal(refusal(OBJ, sizeof OBJ - 1, step, MP_WISH_AUTO, &err),
+				 MP_UNSUPPORTED);
+		assert_non_null(strstr(err.text, "OBJ"));
+	}
+	assert_int_equal(refusal(DRACO, sizeof DRACO, 1, MP_WISH_AUTO, &err), MP_UNSUPPORTED);
+	assert_non_null(strstr(err.text, "Draco"));
+	assert_int_equal(refusal("", 0, 0, MP_WISH_OBJ, &err), MP_UNSUPPORTED);
+	assert_non_null(strstr(err.text, "OBJ"));
+	assert_int_equal(refusal("", 0, 0, MP_WISH_DRACO, &err), MP_UNSUPPORTED);
+	assert_non_null(strstr(err.text, "Draco"));
+}
+
+static void test_obj_longer_than_the_first_bytes(void **state)
+{
+	char text[20000];
+	struct mp_error err;
+
+	(void)state;
+	for (size_t at = 0; at < sizeof text; at++)
+		text[at] = "v 1.5 2.25 -0.12345\n"[at % 20];
+	assert_int_equal(refusal(text, sizeof text, 0, MP_WISH_AUTO, &err), MP_UNSUPPORTED);
+	assert_int_equal(refusal(text, sizeof text, 777, MP_WISH_AUTO, &err), MP_UNSUPPORTED);
+}
+
+/* Words in the header of a binary STL, and names in a text one, mean nothing. */
+static void test_stl_with_the_words_of_others(void **state)
+{
+	static const char *const HEADER[] = {"v 1 2 3\nv 1 2 3\nf 1 2 3\n", "DRACO is not here",
+					     "solid facet normal", "OFF"};
+	const double max[3] = {1, 1, 1};
+	struct mp_request request = request_plain();
+	struct mesh m = {0};
+
+	(void)state;
+	mesh_box(&m, ORIGIN, max);
+	for (size_t i = 0; i < sizeof HEADER / sizeof *HEADER; i++) {
+		size_t size;
+		uint8_t *file = mesh_stl_binary(&m, HEADER[i], &size);
+		struct mp_report r;
+		struct mp_error err;
+
+		assert_int_equal(report_of_file(file, size, 0, &request, &r, &err), 0);
+		assert_int_equal(r.notes.format, MP_FORMAT_STL_BINARY);
+		mp_report_free(&r);
+		free(file);
+	}
+	mesh_free(&m);
+}
+
+static void test_what_is_no_mesh(void **state)
+{
+	struct mp_error err;
+
+	(void)state;
+	for (int format = MP_WISH_AUTO; format <= MP_WISH_STL; format++) {
+		assert_int_equal(refusal("", 0, 0, (enum mp_format_wish)format, &err), MP_EMPTY);
+		assert_int_equal(
+		    refusal("solid nothing\nendsolid\n", 23, 1, (enum mp_format_wish)format, &err),
+		    MP_NO_FACES);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(test_formats_that_are_not_read),
+	    cmocka_unit_test(test_obj_longer_than_the_first_bytes),
+	    cmocka_unit_test(test_stl_with_the_words_of_others),
+	    cmocka_unit_test(test_what_is_no_mesh),
+	};
+
+	return cmocka_run_group_tests_name("format", tests, NULL, NULL);
+}

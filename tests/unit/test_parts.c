@@ -1,0 +1,123 @@
+#include "core/parts.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "tests/unit/alloc_fail.h"
+
+static void add(struct mp_parts *p, uint64_t first, const char *name)
+{
+	struct mp_error err;
+
+	assert_int_equal(mp_parts_add(p, first, name, strlen(name), &err), 0);
+}
+
+static void assert_name(const struct mp_parts *p, uint64_t first, uint64_t last, const char *want)
+{
+	size_t len;
+	const char *name = mp_parts_name(p, first, last, &len);
+
+	if (want == NULL) {
+		assert_null(name);
+		assert_int_equal(len, 0);
+		return;
+	}
+	assert_non_null(name);
+	assert_int_equal(len, strlen(want));
+	assert_memory_equal(name, want, len);
+}
+
+static void test_ranges_have_names(void **state)
+{
+	struct mp_parts p = {0};
+
+	(void)state;
+	assert_name(&p, 0, 0, NULL);
+	add(&p, 2, "a");
+	add(&p, 5, "");
+	add(&p, 8, "long name");
+	assert_name(&p, 0, 1, NULL);
+	assert_name(&p, 1, 3, NULL);
+	assert_name(&p, 2, 4, "a");
+	assert_name(&p, 4, 5, NULL);
+	assert_name(&p, 5, 7, NULL);
+	assert_name(&p, 8, 8, "long name");
+	assert_name(&p, UINT64_MAX - 1, UINT64_MAX, "long name");
+	mp_parts_free(&p);
+	mp_parts_free(&p);
+}
+
+static void test_same_first_replaces(void **state)
+{
+	struct mp_parts p = {0};
+
+	(void)state;
+	add(&p, 0, "first");
+	add(&p, 0, "second, longer");
+	add(&p, 0, "3");
+	add(&p, 4, "x");
+	assert_int_equal(p.count, 2);
+	assert_int_equal(p.used, 2);
+	assert_name(&p, 0, 3, "3");
+	assert_name(&p, 4, 4, "x");
+	mp_parts_free(&p);
+}
+
+static void test_many_parts(void **state)
+{
+	struct mp_parts p = {0};
+	char name[32];
+
+	(void)state;
+	for (uint64_t i = 0; i < 5000; i++) {
+		(void)snprintf(name, sizeof name, "part %d", (int)i);
+		add(&p, 3 * i, name);
+	}
+	for (uint64_t i = 0; i < 5000; i++) {
+		(void)snprintf(name, sizeof name, "part %d", (int)i);
+		assert_name(&p, 3 * i, 3 * i + 2, name);
+		assert_name(&p, 3 * i, 3 * i + 3, i < 4999 ? NULL : name);
+	}
+	mp_parts_free(&p);
+}
+
+static void test_out_of_memory_keeps_what_was_there(void **state)
+{
+	struct mp_parts p = {0};
+	struct mp_error err = {0};
+
+	(void)state;
+	for (uint64_t i = 0; i < 16; i++)
+		add(&p, i, "name");
+	for (long n = 1; n < 3; n++) {
+		alloc_fail_at(n);
+		assert_int_equal(
+		    mp_parts_add(&p, 16, "a name that needs more room, by far", 35, &err), -1);
+		alloc_fail_at(0);
+		assert_int_equal(err.code, MP_NOMEM);
+		assert_int_equal(p.count, 16);
+		assert_name(&p, 15, 15, "name");
+		p.pool_room = p.used; /* so that the second round asks for both again */
+	}
+	add(&p, 16, "a name that needs more room, by far");
+	assert_name(&p, 16, 16, "a name that needs more room, by far");
+	mp_parts_free(&p);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(test_ranges_have_names),
+	    cmocka_unit_test(test_same_first_replaces),
+	    cmocka_unit_test(test_many_parts),
+	    cmocka_unit_test(test_out_of_memory_keeps_what_was_there),
+	};
+
+	return cmocka_run_group_tests_name("parts", tests, NULL, NULL);
+}
