@@ -14,15 +14,14 @@ struct nester {
 	const struct mp_topology *topology;
 	const struct mp_box *box;
 	struct mp_nest *out;
-	uint64_t steps;          /* left of the work limit */
 	uint32_t container;      /* the one whose candidates are collected */
 	struct mp_kd_point *low; /* lower corners of all boxes, as a k-d tree */
 	struct mp_candidate *candidate;
 	size_t candidates, candidate_room;
 	struct pair *pair; /* inner lies inside outer */
 	size_t pairs, pair_room;
-	uint32_t *row, *list; /* the triangles of each body */
-	struct mp_containment containment;
+	uint32_t *row, *list;          /* the triangles of each body */
+	struct mp_containment *inside; /* has the work limit */
 	bool nomem;
 };
 
@@ -89,7 +88,7 @@ static int list_triangles(struct nester *s)
 	for (uint32_t t = 0; t < s->mesh->triangles; t++)
 		if (body_of[t] != MP_NO_BODY)
 			s->list[s->row[body_of[t] + 1]++] = t;
-	return mp_containment_begin(&s->containment, s->mesh, s->row, s->list, &s->steps);
+	return 0;
 }
 
 static int keep(struct nester *s, const struct mp_candidate *c)
@@ -100,9 +99,9 @@ static int keep(struct nester *s, const struct mp_candidate *c)
 		s->out[c->body].decided = false;
 	if (c->place != MP_PLACE_INSIDE)
 		return 0;
-	if (s->steps < PAIR_STEPS)
+	if (s->inside->steps < PAIR_STEPS)
 		return -1;
-	s->steps -= PAIR_STEPS;
+	s->inside->steps -= PAIR_STEPS;
 	grown = room_for_one(s, s->pair, s->pairs, &s->pair_room, sizeof *grown);
 	if (grown == NULL)
 		return -1;
@@ -117,16 +116,17 @@ static int fill_container(struct nester *s)
 	const struct mp_box *box = &s->box[s->container];
 
 	s->candidates = 0;
-	if (mp_kd_search(s->low, s->topology->bodies, box->min, box->max, &s->steps, take_candidate,
-			 s))
+	if (mp_kd_search(s->low, s->topology->bodies, box->min, box->max, &s->inside->steps,
+			 take_candidate, s))
 		return -1;
 	if (s->candidates == 0)
 		return 0;
-	if (s->list == NULL && list_triangles(s)) {
+	if (s->list == NULL &&
+	    (list_triangles(s) || mp_containment_begin(s->inside, s->mesh, s->row, s->list))) {
 		s->nomem = true;
 		return -1;
 	}
-	if (mp_containment_judge(&s->containment, s->container, s->candidate, s->candidates))
+	if (mp_containment_judge(s->inside, s->container, s->candidate, s->candidates))
 		return -1;
 	for (size_t i = 0; i < s->candidates; i++)
 		if (keep(s, &s->candidate[i]))
@@ -216,20 +216,22 @@ static bool any_container(const struct mp_topology *t)
 int mp_nesting_find(const struct mp_mesh *mesh, const struct mp_topology *topology,
 		    const struct mp_box *box, struct mp_nest *out, struct mp_error *err)
 {
+	struct mp_containment inside = {.steps = STEPS};
 	struct nester s = {.mesh = mesh, .topology = topology, .box = box, .out = out};
 
 	reset(&s, true);
 	if (!any_container(topology))
 		return 0;
-	s.steps = STEPS + (uint64_t)STEPS_PER_BODY * topology->bodies +
-		  (uint64_t)STEPS_PER_TRIANGLE * mesh->triangles;
+	inside.steps += (uint64_t)STEPS_PER_BODY * topology->bodies +
+			(uint64_t)STEPS_PER_TRIANGLE * mesh->triangles;
+	s.inside = &inside;
 	if (build_tree(&s))
 		s.nomem = true;
 	else if (find_pairs(&s) == 0)
 		find_parents(&s);
 	else
 		reset(&s, false); /* out of steps: what is not known may matter to any body */
-	mp_containment_end(&s.containment);
+	mp_containment_end(&inside);
 	free(s.list);
 	free(s.row);
 	free(s.pair);

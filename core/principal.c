@@ -38,9 +38,7 @@ static void rotate(double a[3][3], double v[3][3], int p, int q)
 	int r = 3 - p - q;
 	double arp = a[r][p], arq = a[r][q];
 
-	if (isinf(theta * theta)) /* the square left the range: t = 1/(2 theta) to the last bit */
-		t = 0.5 / theta;
-	c = 1 / sqrt(t * t + 1);
+	c = 1 / sqrt(t * t + 1); /* theta may be so large that t is 0: nothing left to turn */
 	s = t * c;
 	a[p][p] -= t * apq;
 	a[q][q] += t * apq;

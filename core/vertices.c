@@ -30,6 +30,7 @@ enum {
 
 struct corner {
 	double p[3]; /* without -0 */
+	uint64_t at; /* every slot from its home to here is taken by other tags */
 	uint32_t tag;
 };
 
@@ -59,12 +60,11 @@ static void expand_key(const uint8_t key[16], uint64_t out[6])
  * two more words, spreads those bits, so that what NH keeps of the order of the coordinates does
  * not become runs of neighbouring slots.
  */
-static uint32_t hash(const uint64_t k[6], const double p[3])
+static uint32_t hash(const uint64_t k[6], const uint64_t w[3])
 {
-	uint64_t w[3], fold;
 	u128 sum, product;
+	uint64_t fold;
 
-	memcpy(w, p, sizeof w);
 	sum = (u128)(w[0] + k[0]) * (w[1] + k[1]) + (u128)(w[2] + k[2]) * k[3];
 	product = (u128)((uint64_t)sum ^ k[4]) * ((uint64_t)(sum >> 64) ^ k[5]);
 	fold = (uint64_t)product ^ (uint64_t)(product >> 64);
@@ -99,13 +99,14 @@ static bool fits_float(double x)
 	return (double)(int64_t)x == x;
 }
 
-/* 0 where a float certainly holds ${x}: no branch, and right for all but subnormal floats. */
-static uint64_t doubt_float(double x)
+/* 0 where a float certainly holds the double of these bits: no branch, and right for all but
+ * subnormal floats. */
+static uint64_t doubt_float(uint64_t bits)
 {
-	uint64_t bits = bits_of(x) & (UINT64_MAX >> 1);
-	uint64_t normal = bits - ((uint64_t)(1023 - 126) << 52);
+	uint64_t size = bits & (UINT64_MAX >> 1);
+	uint64_t normal = size - ((uint64_t)(1023 - 126) << 52);
 
-	return (bits & 0x1fffffff) | ((normal >= (uint64_t)254 << 52) & (bits != 0));
+	return (bits & 0x1fffffff) | ((normal >= (uint64_t)254 << 52) & (size != 0));
 }
 
 struct mp_vertices *mp_vertices_new(const uint8_t key[16], struct mp_error *err)
@@ -242,7 +243,7 @@ static int find_or_add(struct mp_vertices *v, const struct corner *c, uint32_t *
 		       struct mp_error *err)
 {
 	uint64_t mask = ((uint64_t)1 << v->bits) - 1;
-	uint64_t at = home(c->tag, v->bits);
+	uint64_t at = c->at;
 
 	for (; v->slot[at] != 0; at = (at + 1) & mask) {
 		*out = (uint32_t)v->slot[at] - 1;
@@ -269,11 +270,16 @@ static bool load(const struct mp_vertices *v, const double (*tri)[9], unsigned c
 	memcpy(key, v->key, sizeof key);
 	for (unsigned i = 0; i < count; i++) {
 		for (unsigned k = 0; k < 9; k += 3, c++) {
+			uint64_t w[3];
+
 			for (unsigned j = 0; j < 3; j++) {
-				c->p[j] = tri[i][k + j] + 0.0; /* -0 + 0 is +0 */
-				doubt |= doubt_float(c->p[j]);
+				double x = tri[i][k + j] + 0.0; /* -0 + 0 is +0 */
+
+				w[j] = bits_of(x);
+				doubt |= doubt_float(w[j]);
+				c->p[j] = x;
 			}
-			c->tag = hash(key, c->p);
+			c->tag = hash(key, w);
 			__builtin_prefetch(&slot[home(c->tag, bits)]);
 		}
 	}
@@ -288,14 +294,24 @@ static bool all_fit(const struct corner *c, unsigned n)
 	return true;
 }
 
-/* The slots are there by now: ask for the coordinates that they will be compared with. */
-static void prefetch_xyz(const struct mp_vertices *v, const struct corner *c, unsigned n)
+/*
+ * The slots are there by now: find the one with the tag, or the empty one, and ask for the
+ * coordinates to compare.  Vertices added meanwhile take empty slots only, so the search may go on
+ * from there.
+ */
+static void find_tags(const struct mp_vertices *v, struct corner *c, unsigned n)
 {
 	size_t each = 3 * (v->wide ? sizeof(double) : sizeof(float));
+	uint64_t mask = ((uint64_t)1 << v->bits) - 1;
 
 	for (unsigned i = 0; i < n; i++) {
-		uint64_t s = v->slot[home(c[i].tag, v->bits)];
+		uint64_t at = home(c[i].tag, v->bits), s = v->slot[at];
 
+		while (s != 0 && s >> 32 != c[i].tag) {
+			at = (at + 1) & mask;
+			s = v->slot[at];
+		}
+		c[i].at = at;
 		if (s != 0)
 			__builtin_prefetch((const char *)v->xyz + ((uint32_t)s - 1) * each);
 	}
@@ -310,7 +326,7 @@ static int add_batch(struct mp_vertices *v, const double (*tri)[9], unsigned cou
 		return -1;
 	if (load(v, tri, count, c) && !v->wide && !all_fit(c, 3 * count) && widen(v, err))
 		return -1;
-	prefetch_xyz(v, c, 3 * count);
+	find_tags(v, c, 3 * count);
 	for (unsigned i = 0; i < 3 * count; i++)
 		if (find_or_add(v, &c[i], &out[i / 3][i % 3], err))
 			return -1;

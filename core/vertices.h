@@ -29,11 +29,11 @@ int mp_vertices_add(struct mp_vertices *, const double (*tri)[9], size_t count, 
 
 uint32_t mp_vertices_count(const struct mp_vertices *);
 
-/* Coordinates of vertex ${v} < count. */
-void mp_vertices_get(const struct mp_vertices *, uint32_t v, double xyz[3]);
+/* Coordinates of vertex ${number} < count. */
+void mp_vertices_get(const struct mp_vertices *, uint32_t number, double xyz[3]);
 
-/* A hint that get() of ${v} will follow soon, for walks in no order; changes nothing. */
-void mp_vertices_prefetch(const struct mp_vertices *, uint32_t v);
+/* A hint that get() of ${number} will follow soon, for walks in no order; changes nothing. */
+void mp_vertices_prefetch(const struct mp_vertices *, uint32_t number);
 
 /* Give back the hash index (the larger part); add() is illegal afterwards, get() stays legal. */
 void mp_vertices_seal(struct mp_vertices *);

@@ -165,8 +165,8 @@ int mp_wide_orient3d(const double a[3], const double b[3], const double c[3], co
 		subtract(c[k], a[k], unit, &v[k]);
 		subtract(d[k], a[k], unit, &w[k]);
 	}
-	sum[1].sign = 0;
-	sum[1].n = 0;
+	sum[0].sign = sum[1].sign = 0;
+	sum[0].n = sum[1].n = 0;
 	for (int k = 0; k < 3; k++) {
 		int i = (k + 1) % 3, j = (k + 2) % 3;
 

@@ -24,7 +24,7 @@ static void split_uri(struct srv_exchange *ex)
 	char *at = ex->uri, *mark;
 
 	if (strncmp(at, "http://", 7) == 0 || strncmp(at, "https://", 8) == 0) {
-		char *slash = strchr(at + 8, '/');
+		char *slash = strchr(strstr(at, "//") + 2, '/');
 
 		at = slash != NULL ? slash : at + strlen(at);
 	}

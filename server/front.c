@@ -87,8 +87,12 @@ static void tick_drain(struct srv_front *f, double now)
 		return;
 	if (!f->refusing) {
 		f->refusing = true;
-		for (unsigned i = 0; i < f->gift->listeners; i++)
+		/* who has connected is answered, whoever comes later is refused by the system */
+		for (unsigned i = 0; i < f->gift->listeners; i++) {
+			srv_http_accept(f->http, f->gift->listener[i]);
 			(void)epoll_ctl(f->epoll, EPOLL_CTL_DEL, f->gift->listener[i], NULL);
+			close(f->gift->listener[i]);
+		}
 	}
 	if (srv_http_connections(f->http) == 0 ||
 	    since > f->config->drain_delay + f->config->drain_timeout)

@@ -110,6 +110,7 @@ static enum MHD_Result send_answer(struct srv_exchange *ex)
 
 	if (response == NULL)
 		return MHD_NO;
+	ex->reply.close = ex->reply.close || ex->front->draining;
 	srv_reply_headers(ex, add_header, response);
 	ex->sent = true;
 	ex->sent_at = srv_now();

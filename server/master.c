@@ -172,7 +172,7 @@ static void start_worker(struct master *m, unsigned i)
 
 static void start_missing(struct master *m)
 {
-	for (unsigned i = 0; i < m->slots && !m->draining; i++)
+	for (unsigned i = 0; i < m->slots; i++) /* in a drain too: requests may wait for one */
 		if (m->slot[i].pid == 0 && m->front > 0 && srv_now() >= m->slot[i].retry)
 			start_worker(m, i);
 }
@@ -238,15 +238,16 @@ static void worker_died(struct master *m, unsigned i, int status)
 	struct srv_order order = {
 	    .kind = SRV_ORDER_WORKER_GONE, .slot = i, .pid = s->pid, .status = status};
 	bool ours = WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
+	bool retired = WIFEXITED(status) && WEXITSTATUS(status) == SRV_EXIT_RETIRED;
 
-	srv_log(m->draining ? SRV_DEBUG
-		: ours      ? SRV_INFO
-			    : SRV_WARN,
+	srv_log(m->draining || retired ? SRV_DEBUG
+		: ours                 ? SRV_INFO
+				       : SRV_WARN,
 		"%s (pid %d) ended (%s %d), replacing it", s->role, (int)s->pid,
 		WIFSIGNALED(status) ? "signal" : "status",
 		WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status));
 	s->pid = 0;
-	if (srv_now() - s->forked > pause_s)
+	if (retired || srv_now() - s->forked > pause_s)
 		s->retry = 0; /* lived long enough: replace it at once */
 	if (m->channel >= 0)
 		(void)srv_channel_send(m->channel, &order, sizeof order, NULL, 0);
@@ -299,6 +300,10 @@ static void begin_drain(struct master *m)
 	}
 	m->draining = true;
 	srv_log(SRV_INFO, "draining");
+	for (unsigned i = 0; i < m->config->listens; i++) { /* the front closes its own in time */
+		close(m->listener[i]);
+		m->listener[i] = -1;
+	}
 	if (m->front <= 0 || srv_channel_send(m->channel, &order, sizeof order, NULL, 0) != 0)
 		m->front = -1;
 }

@@ -15,7 +15,7 @@
 #include "server/front_private.h"
 #include "server/http.h"
 
-static const double cancel_grace_s = 0.5;
+static const double grace_s = 0.5; /* of a worker that was told to drop its job, or leaves */
 
 static void queue_init(struct srv_queue *q, uint64_t most)
 {
@@ -111,8 +111,9 @@ void srv_pool_gone(struct srv_pool *p, unsigned slot, pid_t pid, int status)
 	srv_pool_hear(p, slot); /* it may have answered before it died */
 	ex = w->exchange;
 	if (w->state != SRV_DYING) /* else it was counted when it was told to go */
-		srv_metrics_lost(&p->front->metrics,
-				 from_outside(status) ? SRV_LOST_OUTSIDE : SRV_LOST_CRASH);
+		srv_metrics_lost(&p->front->metrics, w->state == SRV_LEAVING ? SRV_LOST_RETIRED
+						     : from_outside(status)  ? SRV_LOST_OUTSIDE
+									     : SRV_LOST_CRASH);
 	close(w->sock); /* leaves the epoll set with it */
 	close(w->pidfd);
 	w->sock = w->pidfd = -1;
@@ -133,7 +134,8 @@ static void answered(struct srv_pool *p, struct srv_worker *w, int fd)
 {
 	struct srv_exchange *ex = w->exchange;
 
-	w->state = SRV_IDLE;
+	w->state = w->segment->result.retire != 0 ? SRV_LEAVING : SRV_IDLE;
+	w->since = srv_now();
 	w->exchange = NULL;
 	if (ex == NULL) { /* cancelled meanwhile */
 		if (fd >= 0)
@@ -366,10 +368,14 @@ static void make_way(struct srv_pool *p)
 
 void srv_pool_tick(struct srv_pool *p, double now)
 {
-	for (unsigned i = 0; i < p->workers; i++)
-		if (p->worker[i].state == SRV_CANCELLING &&
-		    now - p->worker[i].since > cancel_grace_s)
-			kill_worker(p, &p->worker[i], SRV_LOST_CLIENT);
+	for (unsigned i = 0; i < p->workers; i++) {
+		struct srv_worker *w = &p->worker[i];
+
+		if ((w->state == SRV_CANCELLING || w->state == SRV_LEAVING) &&
+		    now - w->since > grace_s)
+			kill_worker(p, w,
+				    w->state == SRV_LEAVING ? SRV_LOST_RETIRED : SRV_LOST_CLIENT);
+	}
 	make_way(p);
 	srv_pool_dispatch(p);
 }

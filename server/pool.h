@@ -14,6 +14,7 @@ enum srv_worker_state {
 	SRV_IDLE,
 	SRV_BUSY,
 	SRV_CANCELLING, /* told to drop its job; killed if it does not */
+	SRV_LEAVING,    /* gave its last answer and exits; killed if it does not */
 	SRV_DYING       /* killed by us, the master reaps it */
 };
 
@@ -25,7 +26,7 @@ struct srv_worker {
 	pid_t pid;
 	struct srv_segment *segment;
 	struct srv_exchange *exchange; /* while BUSY */
-	double since;                  /* of CANCELLING */
+	double since;                  /* of CANCELLING and LEAVING */
 };
 
 struct srv_queue {

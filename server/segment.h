@@ -33,6 +33,7 @@ struct srv_words { /* front to worker */
 
 struct srv_result {           /* worker to front */
 	int32_t status, code; /* HTTP, enum api_code */
+	int32_t retire;       /* not 0: it exits by itself now and takes no further job */
 	uint64_t len, triangles, bytes;
 	double decode_ms, analyse_ms;
 	char format[SRV_FORMAT_NAME];

@@ -125,6 +125,7 @@ static void send_answer(struct worker *w, const struct api_answer *a)
 	r->status = a->status;
 	r->code = (int32_t)a->code;
 	r->len = a->len;
+	r->retire = a->retire;
 	r->triangles = a->triangles;
 	r->bytes = a->bytes;
 	r->decode_ms = a->timing.decode;
@@ -174,6 +175,8 @@ static void work(struct worker *w, int spool)
 	if (wanted) {
 		api_job_answer(job, w->segment->receive_ms, w->segment->queue_ms, &answer);
 		send_answer(w, &answer);
+		if (answer.retire)
+			_exit(SRV_EXIT_RETIRED); /* whatever the file did ends with it */
 		api_answer_free(&answer);
 	}
 	api_job_free(job);

@@ -4,9 +4,12 @@
 #include "server/config.h"
 #include "server/segment.h"
 
+enum { SRV_EXIT_RETIRED = 10 };
+
 /*
  * A worker's whole life: take one job after the other from ${sock} and ${segment} until the
- * socket ends.  Never returns; exits 0 when the front is gone.
+ * socket ends.  Never returns; exits 0 when the front is gone, SRV_EXIT_RETIRED behind an answer
+ * that said so.
  */
 _Noreturn void srv_worker_run(const struct srv_config *config, int sock,
 			      struct srv_segment *segment);

@@ -236,7 +236,8 @@ static void touching_holes_are_one_loop(void **unused)
 
 	(void)unused;
 	for (int i = 0; i < 16; i++) {
-		double x = i % 4, y = i / 4;
+		int column = i % 4, row = i / 4;
+		double x = column, y = row;
 		double p[4][3] = {{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}};
 
 		if (i == 5 || i == 10)

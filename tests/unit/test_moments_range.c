@@ -148,9 +148,59 @@ static void test_stray_first_vertex_is_left(void **state)
 	mesh_free(&m);
 }
 
+/* Not so far that the volume is in doubt: the second moments suffer first. */
+static void test_reference_at_some_distance_is_left(void **state)
+{
+	const double min[3] = {0.1, 0.2, 0.3}, max[3] = {1.2, 1.5, 1.1}, far[3] = {300, 200, 100};
+	struct mesh m = {0};
+	struct mp_solid s;
+
+	(void)state;
+	mesh_triangle(&m, far, far, min);
+	mesh_box(&m, min, max);
+	s = solve_twice(&m);
+	assert_box(&s, min, max, 2e-15);
+	mesh_free(&m);
+}
+
+/* Scaled to the stray vertex the cube is nothing: no answer rather than a wrong one. */
+static void test_lost_beside_a_stray_vertex_is_out_of_range(void **state)
+{
+	const double min[3] = {0, 0, 0}, max[3] = {1, 1, 1}, far[3] = {1e300, -1e300, 1e300};
+	struct mesh m = {0};
+	struct mp_solid s;
+
+	(void)state;
+	mesh_triangle(&m, far, far, min);
+	mesh_box(&m, min, max);
+	s = solve_twice(&m);
+	assert_false(s.in_range);
+	mesh_free(&m);
+}
+
+static void test_tiny_area_wants_a_second_pass(void **state)
+{
+	static const double SIZE[] = {1e-78, 1e-160, 1e-200};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof SIZE / sizeof *SIZE; i++) {
+		const double a[3] = {0, 0, 1}, b[3] = {SIZE[i], 0, 1}, c[3] = {0, SIZE[i], 1};
+		struct mesh m = {0};
+		struct mp_solid s;
+
+		mesh_triangle(&m, a, b, c);
+		s = solve(&m);
+		assert_true(s.area_again);
+		s = solve_twice(&m);
+		assert_true(s.area_in_range);
+		assert_relative((double)(s.area / SIZE[i] / SIZE[i]), 0.5, 4e-16);
+		mesh_free(&m);
+	}
+}
+
 static void test_range_of_scales(void **state)
 {
-	static const double SCALE[] = {1e-320, 1e-300, 1e-160, 1e-100, 1e-78,
+	static const double SCALE[] = {1e-320, 1e-300, 1e-160, 1e-100, 1e-78, 1e-63,
 				       1e78,   1e100,  1e153,  1e200,  1e307};
 
 	(void)state;
@@ -282,6 +332,9 @@ int main(void)
 	    cmocka_unit_test(test_flat_box_has_no_volume),
 	    cmocka_unit_test(test_thin_plate_keeps_its_volume),
 	    cmocka_unit_test(test_stray_first_vertex_is_left),
+	    cmocka_unit_test(test_reference_at_some_distance_is_left),
+	    cmocka_unit_test(test_lost_beside_a_stray_vertex_is_out_of_range),
+	    cmocka_unit_test(test_tiny_area_wants_a_second_pass),
 	    cmocka_unit_test(test_range_of_scales),
 	    cmocka_unit_test(test_needle_of_extreme_proportions),
 	    cmocka_unit_test(test_opposite_ends_of_the_range),

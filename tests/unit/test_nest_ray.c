@@ -52,7 +52,8 @@ static void points_of_a_grid_against_a_box(void **unused)
 	(void)unused;
 	soup_cube(&s, 1, 1, 1, 2);
 	for (int i = 0; i < 9 * 9 * 9; i++) {
-		double p[3] = {i % 9 / 2.0, i / 9 % 9 / 2.0, i / 81 / 2.0};
+		const int at[3] = {i % 9, i / 9 % 9, i / 81};
+		double p[3] = {at[0] / 2.0, at[1] / 2.0, at[2] / 2.0};
 		double d = 0;
 
 		for (int k = 0; k < 3; k++)
@@ -76,7 +77,8 @@ static void points_of_a_grid_against_an_octahedron(void **unused)
 		soup_add(&s, x, odd ? z : y, odd ? y : z);
 	}
 	for (int i = 0; i < 13 * 13 * 13; i++) {
-		double p[3] = {(i % 13 - 6) / 2.0, (i / 13 % 13 - 6) / 2.0, (i / 169 - 6) / 2.0};
+		const int at[3] = {i % 13 - 6, i / 13 % 13 - 6, i / 169 - 6};
+		double p[3] = {at[0] / 2.0, at[1] / 2.0, at[2] / 2.0};
 		double d = fabs(p[0]) + fabs(p[1]) + fabs(p[2]);
 
 		assert_int_equal(winding(&s, p), d < 2 ? 1 : d > 2 ? 0 : -1);

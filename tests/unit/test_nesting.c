@@ -321,9 +321,12 @@ static void many_bodies(void **unused)
 
 	(void)unused;
 	soup_torus(&n.f.soup, 100, 60, 100, 40);
-	for (int i = 0; i < 8000; i++)
-		soup_tetrahedron(&n.f.soup, 200 - i % 20 * 20, i / 20 % 20 * 20 - 200,
-				 i / 400 * 3 - 30.5, 1);
+	for (int i = 0; i < 8000; i++) {
+		const int at[3] = {i % 20, i / 20 % 20, i / 400};
+
+		soup_tetrahedron(&n.f.soup, 200 - 20 * at[0], 20 * at[1] - 200, 3 * at[2] - 30.5,
+				 1);
+	}
 	soup_shuffle(&n.f.soup, &state);
 	look(&n);
 	assert_int_equal(n.f.t.bodies, 8001);

@@ -100,6 +100,7 @@ static void test_inside_out_is_the_solid_it_means(void **state)
 	assert_int_equal(r.orientation, MP_ORIENTATION_INWARD);
 	assert_int_equal(r.solid, MP_NO);
 	assert_warnings(&r, BIT(MP_WARN_INSIDE_OUT));
+	assert_false(r.body[0].cavity); /* it lies in nothing */
 	mp_report_free(&r);
 	mesh_free(&m);
 }

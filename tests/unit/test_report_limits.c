@@ -1,5 +1,6 @@
 #include "core/report.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -144,6 +145,82 @@ static void test_cracks_keep_the_volume(void **state)
 	mesh_free(&m);
 }
 
+/* A lid that shares no edge with its box, for a vertex in the middle of every side of it. */
+static void test_cracks_between_bodies_keep_the_volume(void **state)
+{
+	static const double RIM[9][3] = {{0, 0, 2}, {1, 0, 2}, {2, 0, 2}, {2, 1, 2}, {2, 2, 2},
+					 {1, 2, 2}, {0, 2, 2}, {0, 1, 2}, {0, 0, 2}};
+	const double middle[3] = {1, 1, 2}, far[3] = {1e8 / 3, 1e8 / 7, -1e8 / 9};
+	struct mesh m = {0};
+	struct mp_report r;
+
+	(void)state;
+	mesh_triangle(&m, far, far, ORIGIN); /* so that once is not enough */
+	cube(&m, 0, 2, false);
+	memmove(m.tri + 3, m.tri + 5, 8 * sizeof *m.tri); /* without the top */
+	m.count -= 2;
+	for (int i = 0; i < 8; i++)
+		mesh_triangle(&m, middle, RIM[i], RIM[i + 1]);
+	report_of_ascii(&m, NULL, &r);
+	assert_int_equal(r.topology.bodies, 2);
+	assert_true(r.topology.cracks_only && !r.topology.body[0].cracks_only);
+	assert_true(r.total.volume_defined);
+	assert_relative(r.total.volume, 8, 1e-15);
+	for (int k = 0; k < 3; k++)
+		assert_relative(r.total.centroid[k], 1, 1e-15);
+	assert_false(r.body[0].mass.volume_defined || r.body[1].mass.volume_defined);
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
+/* Two facets without area, back to back on a slanting line: nothing, not the noise of nothing. */
+static void test_collinear_facets_have_no_area(void **state)
+{
+	/* once, twice and four times the same vector: exactly a line, though 3 times rounds */
+	const double a[3] = {0.1, 0.7, 1 / 3.0}, b[3] = {0.2, 1.4, 2 / 3.0};
+	const double c[3] = {0.4, 2.8, 4 / 3.0};
+	struct mesh m = {0};
+	struct mp_report r;
+
+	(void)state;
+	mesh_triangle(&m, a, b, c);
+	mesh_triangle(&m, b, a, c);
+	report_of_ascii(&m, NULL, &r);
+	assert_int_equal(r.topology.degenerate_triangles, 2);
+	assert_true(r.topology.closed && r.total.volume_defined && r.total.volume == 0);
+	assert_true(r.total.area_defined && r.total.area == 0 && !r.surface_centroid_defined);
+	assert_false(MP_WARNED(&r, MP_WARN_OUT_OF_RANGE));
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
+/* The smallest moment of a slanting needle drowns in the rounding and may come out below 0. */
+static void test_needle_has_radii(void **state)
+{
+	const double side[3] = {1000, 1e-7, 1e-7};
+	struct mp_report r;
+
+	(void)state;
+	for (int i = 1; i < 40; i++) {
+		double c = cos(0.07 * i), s = sin(0.07 * i);
+		struct mesh m = {0};
+
+		mesh_box(&m, ORIGIN, side);
+		for (size_t k = 0; k < 3 * m.count; k++) {
+			double *v = m.tri[k / 3] + 3 * (k % 3), x = v[0], y = v[1];
+
+			v[0] = c * x - s * y;
+			v[1] = s * x + c * y;
+		}
+		report_of_ascii(&m, NULL, &r);
+		assert_true(r.total.inertia_defined && r.radii_defined);
+		assert_near(r.radii_of_gyration[0], 0, 1e-4);
+		assert_relative(r.radii_of_gyration[1], 1000 / sqrt(12), 1e-5);
+		mp_report_free(&r);
+		mesh_free(&m);
+	}
+}
+
 /* At every size: what a double can hold is right, what it cannot is not given and said so. */
 static void test_results_at_the_ends_of_the_range(void **state)
 {
@@ -239,6 +316,9 @@ int main(void)
 	    cmocka_unit_test(test_nothing_but_degenerate_triangles),
 	    cmocka_unit_test(test_stray_degenerate_triangle_changes_nothing),
 	    cmocka_unit_test(test_cracks_keep_the_volume),
+	    cmocka_unit_test(test_cracks_between_bodies_keep_the_volume),
+	    cmocka_unit_test(test_collinear_facets_have_no_area),
+	    cmocka_unit_test(test_needle_has_radii),
 	    cmocka_unit_test(test_results_at_the_ends_of_the_range),
 	    cmocka_unit_test(test_negative_moments_have_no_radius),
 	    cmocka_unit_test(test_symmetry_survives_rounding),

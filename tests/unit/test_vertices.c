@@ -132,7 +132,8 @@ static void numbers_depend_on_neither_key_nor_blocks(void **unused)
 
 	(void)unused;
 	for (int i = 0; i < N * N; i++) {
-		double x = i % N, y = i / N;
+		int column = i % N, row = i / N;
+		double x = column, y = row;
 		double p[4][3] = {{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}};
 
 		soup_add(&s, p[0], p[1], p[2]);

@@ -238,8 +238,8 @@ static bool zero_current(const struct reference *r, uint32_t body)
 		point(r, r->edge[i].v[1], b);
 		for (int k = 0; k < 3; k++)
 			length += (b[k] - a[k]) * (b[k] - a[k]);
-		for (double m = 0.5; m < length; m++)
-			if (cover(r, &r->edge[i], body, m) != 0)
+		for (int m = 0; m < (int)length; m++)
+			if (cover(r, &r->edge[i], body, m + 0.5) != 0)
 				return false;
 	}
 	return true;
