@@ -12,6 +12,10 @@ CFLAGS ?= -O2 -g
 ifeq ($(origin CC),default)
 CC     := gcc
 endif
+# The compiler of the same family, for the one file of C++: gcc-12 means g++-12.
+ifeq ($(origin CXX),default)
+CXX    := $(patsubst cc,c++,$(subst clang,clang++,$(subst gcc,g++,$(CC))))
+endif
 
 # One folder for every kind of build, so that their objects never meet.
 empty    :=
@@ -29,7 +33,9 @@ WARN     := -Wall -Wextra -Wpedantic -Wconversion -Wshadow
 # A fused multiply-add would break the error bounds; -ffast-math is out of the question.
 MATH     := -ffp-contract=off -fno-math-errno
 DEFINES  := -I. -I$(BUILD)/gen -D_GNU_SOURCE
-LDLIBS   := -lmicrohttpd -lcjson -lseccomp -lzstd -lz -lgmp -lm
+# libdraco is linked as it comes, shared like the rest: its fixes arrive with the system's, and it
+# has had many that matter to somebody who decodes strangers' files.
+LDLIBS   := -lmicrohttpd -lcjson -lseccomp -lzstd -lz -lgmp -ldraco -lstdc++ -lm
 
 machine  := $(shell $(CC) -dumpmachine 2>/dev/null)
 HARDEN   := -fstack-protector-strong
@@ -52,12 +58,15 @@ endif
 opt_core/moments.c := -O3
 
 optimised = $(patsubst -O2,$(or $(opt_$<),-O2),$(CFLAGS))
-compile   = $(CC) $(DEFINES) $(CPPFLAGS) -std=c11 $(WARN) -fPIE $(optimised) $(HARDEN) $(MATH)
+flags     = $(DEFINES) $(CPPFLAGS) $(WARN) -fPIE $(optimised) $(HARDEN) $(MATH)
+compile   = $(CC) -std=c11 $(flags)
+# libdraco's types have no RTTI to check theirs with.
+compile++ = $(CXX) -std=c++17 $(flags) $(if $(findstring undefined,$(SANITIZE)),-fno-sanitize=vptr)
 link      = $(CC) $(LINK) $(LDFLAGS)
 quoted    = $(subst ','\'',$(text))
-objects   = $(patsubst %.c,$(BUILD)/%.o,$(1))
+objects   = $(patsubst %,$(BUILD)/%.o,$(basename $(1)))
 
-core      := $(wildcard core/*.c)
+core      := $(wildcard core/*.c) core/draco_wrap.cc
 api       := $(wildcard api/*.c)
 server    := $(filter-out server/main.c,$(wildcard server/*.c))
 generated := $(patsubst core/gen/gen_%.c,$(BUILD)/gen/%_table.h,$(wildcard core/gen/gen_*.c))
@@ -90,6 +99,9 @@ $(BUILD)/%.a:
 $(BUILD)/%.o: %.c $(BUILD)/stamp/flags | $(BUILD)/stamp/deps $(generated)
 	$(call say,CC,$<)
 	$(Q)mkdir -p $(@D) && $(compile) -MMD -MP -c -o $@ $<
+$(BUILD)/%.o: %.cc $(BUILD)/stamp/flags | $(BUILD)/stamp/deps
+	$(call say,C++,$<)
+	$(Q)mkdir -p $(@D) && $(compile++) -MMD -MP -c -o $@ $<
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
 
 # Tables that are computed rather than typed in: core/gen/gen_NAME.c prints NAME_table.h.
@@ -109,7 +121,7 @@ $(BUILD)/api/openapi.o: $(BUILD)/gen/openapi_json.h
 
 # Files that change only when what they say does, for everything to depend on: the commands, the
 # members of the libraries.
-$(BUILD)/stamp/flags: text = $(compile) $(link) $(LDLIBS) $(shell $(CC) --version 2>/dev/null)
+$(BUILD)/stamp/flags: text = $(compile) $(compile++) $(link) $(LDLIBS) $(shell $(CC) --version 2>/dev/null)
 $(BUILD)/stamp/core: text = $(core)
 $(BUILD)/stamp/api: text = $(api)
 $(BUILD)/stamp/server: text = $(server)

@@ -1,6 +1,7 @@
 #ifndef API_JOB_H
 #define API_JOB_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -22,6 +23,7 @@ struct api_job_head {
 	const char *content_type;     /* header value, NULL for none */
 	const char *content_encoding; /* header value, NULL for none */
 	const char *filename;         /* for the report, NULL for none (a raw body) */
+	bool several;                 /* api_job_next_file() may follow */
 	const char *instance;         /* path, for problems */
 	const char *request_id;       /* for problems */
 	uint8_t key[16];              /* secret, fresh random bytes */
@@ -43,6 +45,8 @@ struct api_answer {
 	const char *format;        /* "stl-binary", ..., "unknown": for logs and metrics */
 	uint64_t triangles, bytes; /* decoded */
 	struct api_timing timing;
+	bool retire; /* the process may be damaged where nothing shows it: let it serve nobody else
+		      */
 };
 
 struct api_job;
@@ -58,6 +62,13 @@ struct api_job *api_job_new(const struct api_job_head *head);
 
 /* Take body bytes.  Returns 0: go on; 1: the verdict is known, further bytes change nothing. */
 int api_job_push(struct api_job *, const uint8_t *bytes, size_t len);
+
+/*
+ * The file in work is over and another one follows, which belongs to the same solid; for bodies
+ * that are no form, and where the head said so.  ${filename} may be NULL.  Returns as
+ * api_job_push().
+ */
+int api_job_next_file(struct api_job *, const char *filename);
 
 /*
  * The body is over (or the verdict is known): make the answer.  ${receive_ms}, ${queue_ms} are

@@ -12,6 +12,12 @@ enum api_unit { API_MM, API_UM, API_CM, API_M, API_IN, API_FT, API_UNITS };
 enum api_density_unit { API_KG_M3, API_G_CM3, API_LB_IN3, API_DENSITY_FILE, API_DENSITY_UNITS };
 enum api_mass_unit { API_KG, API_G, API_LB, API_MASS_UNITS };
 
+/* What came beside the options and is told in the report. */
+struct api_sent {
+	const char *filenames; /* JSON array, where there were several files; else NULL */
+	bool attachment;       /* a form had a material or a picture, which was passed over */
+};
+
 /* The words of a request (query parameters, form fields, calc's flags), parsed but in user units.
  */
 struct api_options {
@@ -28,6 +34,7 @@ struct api_options {
 	double about[3], axis[3], axis_origin[3];
 	bool flip, strict;
 	uint32_t bodies, defects;
+	struct api_sent sent;
 };
 
 void api_options_init(struct api_options *); /* the defaults */

@@ -51,7 +51,7 @@ enum { API_DETAIL = 512 };
 
 struct api_problem {
 	enum api_code code;
-	char detail[API_DETAIL];      /* one sentence, ASCII */
+	char detail[API_DETAIL];      /* one sentence, clean UTF-8 (a file name may be in it) */
 	char option[64];              /* the option to blame, "" for none; UTF-8 after sanitising */
 	uint64_t limit, actual, byte; /* API_NONE where they do not apply */
 	uint64_t line;                /* 0 where it does not apply */

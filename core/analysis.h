@@ -36,7 +36,15 @@ struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_
 /* Take the next ${len} bytes of the file.  -1: only mp_analysis_free() is legal afterwards. */
 int mp_analysis_push(struct mp_analysis *, const uint8_t *bytes, size_t len, struct mp_error *err);
 
-/* The file is over: end decoding.  Call before mp_analysis_report(). */
+/*
+ * The file is over and another one follows, whose triangles belong to the same mesh; they are
+ * numbered on.  Its format is found anew (unless the request forces one).  Every file has to hold
+ * a triangle.  -1: only mp_analysis_free() is legal afterwards; the error is about the file that
+ * ends, but for MP_NOMEM.
+ */
+int mp_analysis_next(struct mp_analysis *, struct mp_error *err);
+
+/* The last file is over: end decoding.  Call before mp_analysis_report(). */
 int mp_analysis_end(struct mp_analysis *, struct mp_error *err);
 
 /*
@@ -46,6 +54,12 @@ int mp_analysis_end(struct mp_analysis *, struct mp_error *err);
  */
 int mp_analysis_report(struct mp_analysis *, const struct mp_request *request,
 		       struct mp_report *out, struct mp_error *err);
+
+/*
+ * Whether another project's decoder has read bytes of the uploader's, with or without success: this
+ * process may be damaged where nothing shows it.  Takes NULL.
+ */
+bool mp_analysis_met_foreign_code(const struct mp_analysis *);
 
 void mp_analysis_free(struct mp_analysis *); /* takes NULL */
 void mp_report_free(struct mp_report *);     /* legal on a zeroed struct */

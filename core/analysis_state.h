@@ -12,7 +12,9 @@ struct mp_analysis {
 	const struct mp_decoder_ops *decoder; /* NULL until the format is known */
 	void *state;                          /* the decoder's */
 	struct mp_sink sink;
-	struct mp_notes notes;
+	struct mp_notes notes;  /* of the file in work; of all of them when they have ended */
+	struct mp_notes before; /* of the files that ended */
+	size_t first;           /* triangle number at which the file in work begins */
 
 	uint8_t head[MP_SNIFF_BYTES]; /* the first bytes, until the format is known */
 	size_t head_len;

@@ -27,12 +27,12 @@ struct mp_containment {
 	const uint32_t *list; /* ascending */
 	struct mp_probe *probe;
 	struct mp_kd_point *tree;
-	uint64_t *steps; /* what is left of the work limit */
+	uint64_t steps; /* what is left of the work limit: the caller's to set */
 };
 
-/* -1: memory is out.  ${row}, ${list} and ${steps} are kept by pointer. */
+/* -1: memory is out, and nothing to end.  ${row} and ${list} are kept by pointer. */
 int mp_containment_begin(struct mp_containment *, const struct mp_mesh *, const uint32_t *row,
-			 const uint32_t *list, uint64_t *steps);
+			 const uint32_t *list);
 void mp_containment_end(struct mp_containment *); /* legal on a zeroed struct */
 
 /* Fill place of ${n} candidates (body given, the rest zero); -1: the work limit was reached. */

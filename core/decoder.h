@@ -1,6 +1,7 @@
 #ifndef MP_DECODER_H
 #define MP_DECODER_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -16,7 +17,8 @@ enum mp_format {
 	MP_FORMAT_STL_BINARY,
 	MP_FORMAT_STL_ASCII,
 	MP_FORMAT_OBJ,
-	MP_FORMAT_DRACO
+	MP_FORMAT_DRACO,
+	MP_FORMAT_MIXED /* of several files; no decoder says so */
 };
 
 enum { MP_BLOCK = 256 }; /* triangles in every block but the last */
@@ -37,6 +39,11 @@ struct mp_sink {
 	 */
 	int (*part)(void *self, uint64_t first, const char *name, size_t len, struct mp_error *err);
 	void *self;
+	/*
+	 * The same triangles as the block() that follows, by the file's own vertex numbers (Draco:
+	 * of the POSITION value); formats that number no vertices never call it.  May be NULL.
+	 */
+	int (*indices)(void *self, const uint32_t (*tri)[3], size_t count, struct mp_error *err);
 };
 
 enum { MP_NAME_MAX = 255 };
@@ -57,6 +64,8 @@ struct mp_notes {
 	uint64_t trailing_bytes;      /* bytes behind the last triangle that were passed over */
 	uint64_t missing_endsolid;    /* ASCII STL: solids that were not ended */
 	uint64_t nonstandard_lines;   /* text passed over that the format does not know */
+	double quantisation_step;     /* [L] between neighbouring coordinates, 0: not quantised */
+	bool foreign_code;            /* another project's decoder read the bytes, maybe in vain */
 };
 
 struct mp_decoder_ops {
@@ -74,6 +83,7 @@ struct mp_decoder_ops {
 	void (*end)(void *state); /* takes NULL */
 };
 
-extern const struct mp_decoder_ops mp_stl_decoder; /* binary or ASCII, found from the bytes */
+extern const struct mp_decoder_ops mp_stl_decoder;   /* binary or ASCII, found from the bytes */
+extern const struct mp_decoder_ops mp_draco_decoder; /* meshes of bitstreams 1.0 to 2.2 */
 
 #endif

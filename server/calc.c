@@ -18,7 +18,8 @@ enum { GOOD = 0, NOT_SOLID = 1, UNREADABLE = 2 };
 
 struct calc {
 	bool json;
-	char *query; /* the options as a URL's query: one parser serves both */
+	bool together; /* the files are one solid */
+	char *query;   /* the options as a URL's query: one parser serves both */
 	size_t query_len;
 	int files;
 };
@@ -57,8 +58,9 @@ static int add_option(struct calc *c, const char *name, size_t len, const char *
 static void help(void)
 {
 	(void)puts("usage: masspropd calc [OPTIONS] FILE...   (- is standard input)\n\n"
-		   "  --json    one report a line as JSON, the same as the service answers\n"
-		   "  --help    this text\n\n"
+		   "  --json      one report a line as JSON, the same as the service answers\n"
+		   "  --together  the files are parts of one solid: one report\n"
+		   "  --help      this text\n\n"
 		   "and the service's options, as --NAME VALUE or --NAME=VALUE (see README.md):");
 	for (size_t i = 0; api_option_name(i) != NULL; i++)
 		(void)printf("  --%s\n", api_option_name(i));
@@ -82,6 +84,10 @@ static int flag(struct calc *c, int argc, char **argv, int *at)
 		c->json = true;
 		return 0;
 	}
+	if (strcmp(name, "together") == 0) {
+		c->together = true;
+		return 0;
+	}
 	if (equals != NULL)
 		return add_option(c, name, len, equals + 1);
 	if (is_boolean(name, len) && (*at + 1 >= argc || (strcmp(argv[*at + 1], "true") != 0 &&
@@ -94,14 +100,21 @@ static int flag(struct calc *c, int argc, char **argv, int *at)
 	return add_option(c, name, len, argv[++*at]);
 }
 
-static int feed(struct api_job *job, int fd)
+/* All bytes of a file, or as many as the verdict takes; -1: it cannot be read. */
+static int feed(struct api_job *job, const char *file)
 {
 	static uint8_t chunk[256 << 10];
-	ssize_t n;
+	bool standard = strcmp(file, "-") == 0;
+	int fd = standard ? STDIN_FILENO : open(file, O_RDONLY | O_CLOEXEC);
+	ssize_t n = -1;
 
-	while ((n = read(fd, chunk, sizeof chunk)) > 0)
+	while (fd >= 0 && (n = read(fd, chunk, sizeof chunk)) > 0)
 		if (api_job_push(job, chunk, (size_t)n) != 0)
 			break;
+	if (n < 0)
+		(void)fprintf(stderr, "masspropd calc: %s: %s\n", file, strerror(errno));
+	if (fd >= 0 && !standard)
+		close(fd);
 	return n < 0 ? -1 : 0;
 }
 
@@ -123,48 +136,55 @@ static int print(const struct calc *c, const char *file, const struct api_answer
 	}
 	if (a->status == 200)
 		return GOOD;
-	(void)fprintf(stderr, "masspropd calc: %s: %s\n", file, a->detail);
+	if (c->together) /* the detail says which file */
+		(void)fprintf(stderr, "masspropd calc: %s\n", a->detail);
+	else
+		(void)fprintf(stderr, "masspropd calc: %s: %s\n", file, a->detail);
 	return a->code == API_NOT_A_SOLID ? NOT_SOLID : UNREADABLE;
 }
 
-static const char *base_name(const char *file)
+/* What the report calls a file; standard input has no name. */
+static const char *shown_name(const char *file)
 {
 	const char *slash = strrchr(file, '/');
 
+	if (strcmp(file, "-") == 0)
+		return NULL;
 	return slash != NULL ? slash + 1 : file;
 }
 
-static int one_file(const struct calc *c, const char *file)
+/* One report, of ${count} files. */
+static int one_solid(const struct calc *c, char **file, int count)
 {
-	bool standard = strcmp(file, "-") == 0;
 	struct api_job_head head = {.query = c->query,
 				    .query_len = c->query_len,
-				    .filename = standard ? NULL : base_name(file),
+				    .filename = shown_name(file[0]),
+				    .several = c->together,
 				    .instance = "calc",
 				    .request_id = "calc",
 				    .limits = {UINT64_MAX, 1400000000},
 				    .now = srv_now};
-	int fd = standard ? STDIN_FILENO : open(file, O_RDONLY | O_CLOEXEC), verdict = UNREADABLE;
+	int verdict = UNREADABLE, i = 0;
 	struct api_job *job;
 	struct api_answer answer;
 	double began = srv_now();
 
-	if (fd < 0) {
-		(void)fprintf(stderr, "masspropd calc: %s: %s\n", file, strerror(errno));
-		return UNREADABLE;
-	}
 	(void)!getrandom(head.key, sizeof head.key, 0);
 	job = api_job_new(&head);
-	if (job == NULL || feed(job, fd) != 0) {
-		(void)fprintf(stderr, "masspropd calc: %s: %s\n", file, strerror(errno));
-	} else {
+	if (job == NULL) {
+		(void)fprintf(stderr, "masspropd calc: %s: %s\n", file[0], strerror(errno));
+		return UNREADABLE;
+	}
+	for (; i < count; i++)
+		if ((i > 0 && api_job_next_file(job, shown_name(file[i])) != 0) ||
+		    feed(job, file[i]) != 0)
+			break;
+	if (i == count || api_job_push(job, NULL, 0) != 0) { /* no file that cannot be read */
 		api_job_answer(job, 1e3 * (srv_now() - began), 0, &answer);
-		verdict = print(c, file, &answer);
+		verdict = print(c, file[0], &answer);
 		api_answer_free(&answer);
 	}
 	api_job_free(job);
-	if (!standard)
-		close(fd);
 	return verdict;
 }
 
@@ -187,8 +207,8 @@ int srv_calc_main(int argc, char **argv)
 		(void)fputs("masspropd calc: no file given (see masspropd calc --help)\n", stderr);
 		return UNREADABLE;
 	}
-	for (int i = 1; i <= c.files; i++) {
-		int verdict = one_file(&c, argv[i]);
+	for (int i = 1; i <= c.files; i += c.together ? c.files : 1) {
+		int verdict = one_solid(&c, argv + i, c.together ? c.files : 1);
 
 		worst = verdict > worst ? verdict : worst;
 	}

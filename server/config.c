@@ -2,6 +2,7 @@
 
 #include <ctype.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -56,10 +57,40 @@ static const struct row rows[] = {
 
 enum { ROWS = sizeof rows / sizeof rows[0] };
 
-/* The items of ${text}; behind those that are there where the same flag came before. */
-static int list(const char *text, const char **items, unsigned *count, unsigned most, bool append)
+struct srv_config_text {
+	struct srv_config_text *next;
+	char text[];
+};
+
+/* A copy that the config owns. */
+static char *keep(struct srv_config *c, const char *text)
 {
-	char *copy = strdup(text), *save = NULL, *item;
+	size_t size = strlen(text) + 1;
+	struct srv_config_text *t = malloc(sizeof *t + size);
+
+	if (t == NULL)
+		return NULL;
+	memcpy(t->text, text, size);
+	t->next = c->texts;
+	c->texts = t;
+	return t->text;
+}
+
+void srv_config_free(struct srv_config *c)
+{
+	while (c->texts != NULL) {
+		struct srv_config_text *next = c->texts->next;
+
+		free(c->texts);
+		c->texts = next;
+	}
+}
+
+/* The items of ${text}; behind those that are there where the same flag came before. */
+static int list(struct srv_config *c, const char *text, const char **items, unsigned *count,
+		unsigned most, bool append)
+{
+	char *copy = keep(c, text), *save = NULL, *item;
 
 	if (copy == NULL)
 		return -1;
@@ -68,7 +99,7 @@ static int list(const char *text, const char **items, unsigned *count, unsigned 
 	for (item = strtok_r(copy, ",", &save); item != NULL; item = strtok_r(NULL, ",", &save)) {
 		if (*count == most)
 			return -1;
-		items[(*count)++] = item; /* the copy lives as long as the program */
+		items[(*count)++] = item;
 	}
 	return *count > 0 ? 0 : -1;
 }
@@ -111,9 +142,9 @@ static int set(struct srv_config *c, const struct row *row, const char *text, bo
 
 	switch (row->kind) {
 	case LIST_LISTEN:
-		return list(text, c->listen, &c->listens, SRV_LISTEN_MAX, again);
+		return list(c, text, c->listen, &c->listens, SRV_LISTEN_MAX, again);
 	case LIST_ORIGIN:
-		return list(text, c->origin, &c->origins, SRV_ORIGIN_MAX, again);
+		return list(c, text, c->origin, &c->origins, SRV_ORIGIN_MAX, again);
 	case LEVEL:
 		if ((i = word(text, levels)) < 0)
 			return -1;

@@ -9,8 +9,11 @@
 
 enum { SRV_LISTEN_MAX = 16, SRV_ORIGIN_MAX = 64 };
 
-/* What flags and environment say; strings are owned by the config and live as long as it. */
+struct srv_config_text;
+
+/* What flags and environment say; strings live until srv_config_free(). */
 struct srv_config {
+	struct srv_config_text *texts;
 	const char *listen[SRV_LISTEN_MAX];
 	unsigned listens;
 	const char *origin[SRV_ORIGIN_MAX]; /* exact, "*.suffix" or "*" */
@@ -32,6 +35,8 @@ struct srv_config {
  * prefix, a value that is none, one out of its range: -1 with one line in ${why}.
  */
 int srv_config_load(struct srv_config *config, int argc, char **argv, char *why, size_t size);
+
+void srv_config_free(struct srv_config *config); /* legal after a failed load too */
 
 /* The text of --help; names every flag, its variable and its default. */
 void srv_config_help(void);

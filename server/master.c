@@ -21,34 +21,10 @@
 #include "server/front.h"
 #include "server/listen.h"
 #include "server/memory.h"
+#include "server/spawn.h"
 #include "server/worker.h"
 
-enum { SLOTS = 257 };
-
-struct slot {
-	struct srv_segment *segment;
-	pid_t pid;     /* 0: none */
-	double forked; /* when */
-	double retry;  /* not before, after a failed or short-lived start */
-	char role[16];
-};
-
-struct master {
-	const struct srv_config *config;
-	struct srv_memory memory;
-	int listener[SRV_LISTEN_MAX];
-	char url[SRV_LISTEN_MAX][96];
-	struct slot slot[SLOTS];
-	unsigned slots;
-	pid_t pid, front;
-	int channel; /* to the front */
-	int signals;
-	bool ready, draining;
-	double front_forked;
-	sigset_t old_mask;
-};
-
-static int open_listeners(struct master *m, char *why, size_t size)
+static int open_listeners(struct srv_master *m, char *why, size_t size)
 {
 	for (unsigned i = 0; i < m->config->listens; i++) {
 		m->listener[i] =
@@ -59,7 +35,7 @@ static int open_listeners(struct master *m, char *why, size_t size)
 	return 0;
 }
 
-static int open_segments(struct master *m, char *why, size_t size)
+static int open_segments(struct srv_master *m, char *why, size_t size)
 {
 	m->slots = (unsigned)m->config->workers + 1;
 	for (unsigned i = 0; i < m->slots; i++) {
@@ -79,146 +55,15 @@ static int open_segments(struct master *m, char *why, size_t size)
 	return 0;
 }
 
-/* What every child does first: own signals, and no life beyond the master's. */
-static void become_child(struct master *m, const char *role)
-{
-	static const int reset[] = {SIGTERM, SIGINT, SIGHUP, SIGCHLD};
-	struct sigaction standard = {.sa_handler = SIG_DFL};
-
-	srv_log_role(role);
-	(void)prctl(PR_SET_PDEATHSIG, SIGKILL);
-	if (getppid() != m->pid) /* it died before the line above */
-		_exit(0);
-	for (size_t i = 0; i < sizeof reset / sizeof reset[0]; i++)
-		(void)sigaction(reset[i], &standard, NULL);
-	close(m->signals);
-	/* a terminal's Ctrl-C reaches the whole group: only the master may act on it */
-	(void)signal(SIGINT, SIG_IGN);
-	(void)signal(SIGTERM, SIG_IGN);
-	(void)signal(SIGHUP, SIG_IGN);
-	(void)sigprocmask(SIG_SETMASK, &m->old_mask, NULL);
-}
-
-static void limit_memory(uint64_t bytes)
-{
-#ifndef MP_SANITIZED
-	struct rlimit limit = {bytes, bytes};
-
-	(void)setrlimit(RLIMIT_DATA, &limit);
-#else
-	(void)bytes;
-#endif
-}
-
-_Noreturn static void worker_child(struct master *m, unsigned i, int sock)
-{
-	struct rlimit no_core = {0, 0};
-
-	become_child(m, m->slot[i].role);
-	close(m->channel);
-	for (unsigned k = 0; k < m->config->listens; k++)
-		close(m->listener[k]);
-	for (unsigned k = 0; k < m->slots; k++) /* another customer's bytes are none of ours */
-		if (k != i)
-			(void)munmap(m->slot[k].segment, sizeof(struct srv_segment));
-	(void)prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-	(void)setrlimit(RLIMIT_CORE, &no_core);
-	limit_memory(i + 1 == m->slots ? m->memory.lane : m->memory.worker);
-	srv_worker_run(m->config, sock, m->slot[i].segment);
-}
-
-static void announce(struct master *m, unsigned i, int sock)
-{
-	struct srv_order order = {.kind = SRV_ORDER_WORKER_NEW, .slot = i, .pid = m->slot[i].pid};
-	int fd[2] = {sock, (int)syscall(SYS_pidfd_open, m->slot[i].pid, 0)};
-
-	if (fd[1] < 0 || srv_channel_send(m->channel, &order, sizeof order, fd, 2) != 0) {
-		srv_log(SRV_ERROR, "cannot hand over %s: %s", m->slot[i].role, strerror(errno));
-		(void)kill(m->slot[i].pid, SIGKILL); /* reaped and tried again */
-	}
-	if (fd[1] >= 0)
-		close(fd[1]);
-}
-
-/* A start that fails, or a worker that lived for less than this, is tried again after it. */
-static const double pause_s = 0.2;
-
-static void start_worker(struct master *m, unsigned i)
-{
-	struct slot *s = &m->slot[i];
-	int pair[2];
-	pid_t pid;
-
-	s->retry = srv_now() + pause_s;
-	if (srv_channel_pair(pair, 0) != 0 || fcntl(pair[0], F_SETFL, O_NONBLOCK) != 0) {
-		srv_log(SRV_ERROR, "no socket for %s: %s", s->role, strerror(errno));
-		return;
-	}
-	pid = fork();
-	if (pid == 0) {
-		close(pair[0]);
-		worker_child(m, i, pair[1]);
-	}
-	close(pair[1]);
-	if (pid < 0) {
-		srv_log(SRV_ERROR, "cannot fork %s: %s", s->role, strerror(errno));
-	} else {
-		s->pid = pid;
-		s->forked = srv_now();
-		announce(m, i, pair[0]);
-	}
-	close(pair[0]);
-}
-
-static void start_missing(struct master *m)
+static void start_missing(struct srv_master *m)
 {
 	for (unsigned i = 0; i < m->slots; i++) /* in a drain too: requests may wait for one */
 		if (m->slot[i].pid == 0 && m->front > 0 && srv_now() >= m->slot[i].retry)
-			start_worker(m, i);
-}
-
-_Noreturn static void front_child(struct master *m, int channel)
-{
-	struct srv_segment *segment[SLOTS];
-	struct srv_front_gift gift = {.config = m->config,
-				      .listener = m->listener,
-				      .listeners = m->config->listens,
-				      .master = channel,
-				      .segment = segment,
-				      .slots = m->slots,
-				      .spool_budget = m->memory.spool};
-
-	become_child(m, "front");
-	for (unsigned i = 0; i < m->slots; i++)
-		segment[i] = m->slot[i].segment;
-	(void)prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-	exit(srv_front_run(&gift));
-}
-
-static int start_front(struct master *m)
-{
-	int pair[2];
-
-	if (srv_channel_pair(pair, 1) != 0)
-		return -1;
-	m->front_forked = srv_now();
-	m->front = fork();
-	if (m->front == 0) {
-		close(pair[0]);
-		front_child(m, pair[1]);
-	}
-	close(pair[1]);
-	if (m->front < 0) {
-		close(pair[0]);
-		m->front = 0;
-		return -1;
-	}
-	m->channel = pair[0];
-	return 0;
+			srv_spawn_worker(m, i);
 }
 
 /* Workers belong to one front: its sockets are gone with it. */
-static void front_died(struct master *m, int status)
+static void front_died(struct srv_master *m, int status)
 {
 	close(m->channel);
 	m->channel = -1;
@@ -232,9 +77,9 @@ static void front_died(struct master *m, int status)
 	}
 }
 
-static void worker_died(struct master *m, unsigned i, int status)
+static void worker_died(struct srv_master *m, unsigned i, int status)
 {
-	struct slot *s = &m->slot[i];
+	struct srv_slot *s = &m->slot[i];
 	struct srv_order order = {
 	    .kind = SRV_ORDER_WORKER_GONE, .slot = i, .pid = s->pid, .status = status};
 	bool ours = WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
@@ -247,13 +92,13 @@ static void worker_died(struct master *m, unsigned i, int status)
 		WIFSIGNALED(status) ? "signal" : "status",
 		WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status));
 	s->pid = 0;
-	if (retired || srv_now() - s->forked > pause_s)
+	if (retired || srv_now() - s->forked > SRV_SPAWN_PAUSE)
 		s->retry = 0; /* lived long enough: replace it at once */
 	if (m->channel >= 0)
 		(void)srv_channel_send(m->channel, &order, sizeof order, NULL, 0);
 }
 
-static void reap(struct master *m)
+static void reap(struct srv_master *m)
 {
 	int status;
 	pid_t pid;
@@ -272,7 +117,7 @@ static void reap(struct master *m)
 	}
 }
 
-static void hear_front(struct master *m)
+static void hear_front(struct srv_master *m)
 {
 	struct srv_order order;
 	size_t fds = 0;
@@ -289,7 +134,7 @@ static void hear_front(struct master *m)
 	}
 }
 
-static void begin_drain(struct master *m)
+static void begin_drain(struct srv_master *m)
 {
 	struct srv_order order = {.kind = SRV_ORDER_DRAIN};
 
@@ -308,7 +153,7 @@ static void begin_drain(struct master *m)
 		m->front = -1;
 }
 
-static void hear_signals(struct master *m)
+static void hear_signals(struct srv_master *m)
 {
 	struct signalfd_siginfo info;
 
@@ -319,13 +164,13 @@ static void hear_signals(struct master *m)
 }
 
 /* The front ends by itself within the drain times; this is for one that does not. */
-static bool overdue(const struct master *m, double since)
+static bool overdue(const struct srv_master *m, double since)
 {
 	return m->draining &&
 	       srv_now() - since > m->config->drain_delay + m->config->drain_timeout + 2;
 }
 
-static void serve(struct master *m)
+static void serve(struct srv_master *m)
 {
 	double drain_began = 0;
 
@@ -333,7 +178,8 @@ static void serve(struct master *m)
 		struct pollfd p[2] = {{.fd = m->signals, .events = POLLIN},
 				      {.fd = m->channel, .events = POLLIN}};
 
-		if (m->front == 0 && srv_now() - m->front_forked > pause_s && start_front(m) != 0)
+		if (m->front == 0 && srv_now() - m->front_forked > SRV_SPAWN_PAUSE &&
+		    srv_spawn_front(m) != 0)
 			srv_log(SRV_ERROR, "cannot fork the front: %s", strerror(errno));
 		start_missing(m);
 		p[1].fd = m->channel;
@@ -346,7 +192,7 @@ static void serve(struct master *m)
 	}
 }
 
-static void stop_children(struct master *m)
+static void stop_children(struct srv_master *m)
 {
 	if (m->front > 0)
 		(void)kill(m->front, SIGKILL);
@@ -367,7 +213,7 @@ static void raise_descriptors(void)
 	}
 }
 
-static int block_signals(struct master *m)
+static int block_signals(struct srv_master *m)
 {
 	sigset_t set;
 
@@ -384,7 +230,8 @@ static int block_signals(struct master *m)
 
 int srv_master_run(const struct srv_config *config)
 {
-	static struct master m; /* the workers' roles are named from it for as long as they live */
+	static struct srv_master
+	    m; /* the workers' roles are named from it for as long as they live */
 	char why[300];
 
 	m.config = config;
@@ -396,7 +243,7 @@ int srv_master_run(const struct srv_config *config)
 		(void)fprintf(stderr, "masspropd: %s\n", why);
 		return 1;
 	}
-	if (block_signals(&m) < 0 || start_front(&m) != 0) {
+	if (block_signals(&m) < 0 || srv_spawn_front(&m) != 0) {
 		(void)fprintf(stderr, "masspropd: cannot start: %s\n", strerror(errno));
 		return 1;
 	}

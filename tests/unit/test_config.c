@@ -38,6 +38,7 @@ static int load(const char *first, ...)
 	va_end(ap);
 	argv[argc] = NULL;
 	why[0] = '\0';
+	srv_config_free(&config);
 	return srv_config_load(&config, argc, argv, why, sizeof why);
 }
 

@@ -1,0 +1,45 @@
+#ifndef MP_POLYGON_H
+#define MP_POLYGON_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/error.h"
+
+/*
+ * Polygons in space to triangles.  A struct mp_polygon that is all 0 is ready; what it has
+ * allocated is kept from one polygon to the next until mp_polygon_free().
+ */
+struct mp_polygon {
+	uint32_t (*tri)[3]; /* the n - 2 triangles: positions 0 .. n - 1, wound as the polygon */
+	bool nonplanar;     /* which triangles were chosen changes the surface */
+	bool tangled;       /* not split properly: it crosses itself, or the work grew too much */
+
+	size_t tri_room;
+	void *work; /* of the ear clipping */
+	size_t work_size;
+};
+
+/*
+ * mp_polygon_split(p, xyz, corner, n, err):
+ * Split the polygon with the corners xyz[corner[0]] ... xyz[corner[n - 1]], n >= 3, coordinates
+ * finite, into n - 2 triangles and set p->tri, p->nonplanar, p->tangled.
+ *
+ * It is looked at along the axis next to its Newell normal, where every turn is decided exactly.
+ * Where the fan from corner 0 has no flat and no reversed triangle, it is the answer; else ears
+ * are clipped (Meisters 1975, doi:10.1080/00029890.1975.11993898), flat ones last.  Concave
+ * polygons, holes on bridges that are used twice, repeated and collinear corners are fine: all
+ * triangles are wound as the whole, so the area of a flat polygon is right.  Where that cannot be
+ * (p->tangled) the rest is a fan; the signed volume does not depend on it.  About O(n log n) time,
+ * never more than a constant times n log n; up to 90 bytes a corner.  Nothing happens to p->tri
+ * that a fan in another order could not: a polygon without area gives a fan.
+ *
+ * Return 0, or -1 where memory is out.
+ */
+int mp_polygon_split(struct mp_polygon *p, const double (*xyz)[3], const uint32_t *corner,
+		     uint32_t n, struct mp_error *err);
+
+void mp_polygon_free(struct mp_polygon *); /* legal on a zeroed struct */
+
+#endif

@@ -1,0 +1,49 @@
+#ifndef SRV_SPAWN_H
+#define SRV_SPAWN_H
+
+#include <signal.h>
+#include <stdbool.h>
+#include <sys/types.h>
+
+#include "server/config.h"
+#include "server/memory.h"
+#include "server/segment.h"
+
+/* The master's state, and how it forks its children. */
+
+enum { SRV_SLOTS = 257 };
+
+struct srv_slot {
+	struct srv_segment *segment;
+	pid_t pid;     /* 0: none */
+	double forked; /* when */
+	double retry;  /* not before, after a failed or short-lived start */
+	char role[16];
+};
+
+struct srv_master {
+	const struct srv_config *config;
+	struct srv_memory memory;
+	int listener[SRV_LISTEN_MAX];
+	char url[SRV_LISTEN_MAX][96];
+	struct srv_slot slot[SRV_SLOTS];
+	unsigned slots;
+	pid_t pid, front;
+	int channel; /* to the front */
+	int signals;
+	bool ready, draining;
+	double front_forked;
+	sigset_t old_mask;
+};
+
+/* A start that fails, or a worker that lived for less than this, is tried again after it [s]. */
+#define SRV_SPAWN_PAUSE 0.2
+
+/* Fork the worker of slot ${i} and hand its socket to the front.  Failures are logged; retry is
+ * set. */
+void srv_spawn_worker(struct srv_master *m, unsigned i);
+
+/* Fork the front; 0, or -1 with errno. */
+int srv_spawn_front(struct srv_master *m);
+
+#endif
