@@ -75,7 +75,6 @@ char *api_capabilities_json(const struct api_limits_in_force *limits, size_t *le
 {
 	const char *const formats[] = {api_format_word(MP_FORMAT_STL_BINARY),
 				       api_format_word(MP_FORMAT_STL_ASCII)};
-	const char *const codings[] = {api_accept_encoding};
 	struct api_json j;
 	cJSON *root = api_json_begin(&j);
 
@@ -84,7 +83,7 @@ char *api_capabilities_json(const struct api_limits_in_force *limits, size_t *le
 	api_json_string(&j, root, "version", api_version);
 	add_words(&j, "formats", formats, sizeof formats / sizeof formats[0]);
 	add_media_types(&j);
-	add_words(&j, "content_codings", codings, 1);
+	add_words(&j, "content_codings", api_coding_names, API_CODINGS);
 	add_words(&j, "units", api_unit_names, API_UNITS);
 	add_words(&j, "density_units", api_density_unit_names, API_DENSITY_UNITS);
 	add_words(&j, "mass_units", api_mass_unit_names, API_MASS_UNITS);

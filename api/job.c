@@ -5,23 +5,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "api/files.h"
+#include "api/form.h"
 #include "api/media.h"
 #include "api/options.h"
 #include "api/problem.h"
 #include "api/report_json.h"
 #include "api/report_words.h"
-#include "core/analysis.h"
-#include "core/format.h"
 
 struct api_job {
 	struct api_job_head head; /* its strings stand behind the struct */
 	struct api_options options;
-	struct mp_request request;
-	struct mp_analysis *analysis;
 	struct api_problem problem; /* API_OK: no verdict yet */
-	uint64_t bytes;             /* taken, up to the verdict */
+	struct api_coding *coding;  /* bytes go through this, */
+	struct api_form *form;      /* through this (NULL: the body is one file) */
+	struct api_files files;     /* and in here */
 	double decode_s;
-	uint8_t start[MP_SNIFF_BYTES]; /* of the file */
 };
 
 /* For the case that not even an error can be put together; never written to. */
@@ -33,97 +32,30 @@ static char no_memory[] = "{\"type\":\"urn:masspropd:problem:too_expensive\","
 static const char problem_type[] = "application/problem+json";
 static const char report_type[] = "application/json";
 
-static size_t min(size_t a, size_t b)
-{
-	return a < b ? a : b;
-}
-
 static int too_expensive(struct api_problem *p)
 {
 	return api_problem_set(p, API_TOO_EXPENSIVE,
 			       "The request needs more memory than one request may use.");
 }
 
-static enum api_code code_of(enum mp_code code)
-{
-	switch (code) {
-	case MP_SYNTAX:
-		return API_UNREADABLE;
-	case MP_TRUNCATED:
-		return API_TRUNCATED;
-	case MP_EMPTY:
-		return API_EMPTY;
-	case MP_NO_FACES:
-		return API_NO_FACES;
-	case MP_POINT_CLOUD:
-		return API_POINT_CLOUD;
-	case MP_BAD_INDEX:
-		return API_BAD_INDEX;
-	case MP_NON_FINITE:
-		return API_NON_FINITE;
-	case MP_UNSUPPORTED:
-		return API_UNSUPPORTED_FEATURE;
-	case MP_LIMIT:
-		return API_TOO_MANY_TRIANGLES;
-	case MP_NOMEM:
-		return API_TOO_EXPENSIVE;
-	case MP_OK:
-	case MP_BUG:
-		break;
-	}
-	return API_INTERNAL;
-}
-
-/*
- * A forced format is taken at its word until the file cannot be read: the header of a binary STL
- * may say anything, DRACO too.
- */
-static bool is_mismatch(const struct api_job *j, enum mp_code code)
-{
-	size_t len = j->bytes < sizeof j->start ? (size_t)j->bytes : sizeof j->start;
-
-	return j->options.format == MP_WISH_STL && (code == MP_SYNTAX || code == MP_TRUNCATED) &&
-	       mp_format_sniff(j->start, len) != MP_WISH_STL;
-}
-
-/* What core said, as the answer's problem. */
-static int refuse(struct api_job *j, const struct mp_error *err)
-{
-	struct api_problem *p = &j->problem;
-	enum api_code code = code_of(err->code);
-
-	if (code == API_TOO_EXPENSIVE)
-		return too_expensive(p);
-	if (is_mismatch(j, err->code))
-		return api_problem_option(p, API_TYPE_MISMATCH, "format", strlen("format"),
-					  "The option format=stl was given, but this seems to be "
-					  "a file of another format.");
-	(void)api_problem_set(p, code, "%s: %s.", api_problem_title(code), err->text);
-	if (err->byte != MP_NO_BYTE)
-		p->byte = err->byte;
-	p->line = err->line;
-	if (code == API_TOO_MANY_TRIANGLES) {
-		p->limit = err->limit;
-		p->actual = err->actual;
-	}
-	return -1;
-}
-
-static int read_head(const struct api_job_head *head, struct api_options *o, struct api_problem *p)
+/* What the head says; whether the options fit together is known when all of a form's are there. */
+static int read_head(const struct api_job_head *head, struct api_options *o,
+		     struct api_media *media, struct api_problem *p)
 {
 	api_options_init(o);
-	if (api_media_check(head->content_type, head->content_encoding, p))
+	if (api_media_read(head->content_type, head->content_encoding, media, p))
 		return -1;
 	if (api_options_query(o, head->query, head->query_len, p))
 		return -1;
-	return api_options_check(o, p);
+	return media->form ? 0 : api_options_check(o, p);
 }
 
 int api_job_precheck(const struct api_job_head *head, struct api_problem *p)
 {
 	struct api_options options;
+	struct api_media media;
 
-	return read_head(head, &options, p);
+	return read_head(head, &options, &media, p);
 }
 
 /* Move one string of the head to ${*room}, which is large enough. */
@@ -164,19 +96,44 @@ static struct api_job *copy_head(const struct api_job_head *head)
 	return j;
 }
 
+static int form_bytes(void *self, const uint8_t *bytes, size_t len, struct api_problem *p)
+{
+	return api_form_push(self, bytes, len, p);
+}
+
+static int file_bytes(void *self, const uint8_t *bytes, size_t len, struct api_problem *p)
+{
+	return api_files_bytes(self, bytes, len, p);
+}
+
+/* The way of the bytes, by what the head says of them. */
+static int set_up(struct api_job *j, const struct api_media *media)
+{
+	struct api_sink sink = {file_bytes, &j->files};
+
+	j->files.options = &j->options;
+	j->files.several = j->head.several;
+	memcpy(j->files.request.key, j->head.key, sizeof j->files.request.key);
+	j->files.request.limits.max_triangles = j->head.limits.max_triangles;
+	if (media->form) {
+		j->form = api_form_new(media->boundary, &j->options, &j->files);
+		if (j->form == NULL)
+			return too_expensive(&j->problem);
+		sink = (struct api_sink){form_bytes, j->form};
+	}
+	j->coding = api_coding_new(media->coding, j->head.limits.max_decoded, &sink);
+	if (j->coding == NULL)
+		return too_expensive(&j->problem);
+	return media->form ? 0 : api_files_begin(&j->files, j->head.filename, &j->problem);
+}
+
 struct api_job *api_job_new(const struct api_job_head *head)
 {
 	struct api_job *j = copy_head(head);
-	struct mp_error err = {0};
+	struct api_media media;
 
-	if (j == NULL || read_head(&j->head, &j->options, &j->problem))
-		return j;
-	memcpy(j->request.key, head->key, sizeof j->request.key);
-	j->request.limits.max_triangles = head->limits.max_triangles;
-	api_options_request(&j->options, &j->request);
-	j->analysis = mp_analysis_new(&j->request, &err);
-	if (j->analysis == NULL)
-		(void)refuse(j, &err);
+	if (j != NULL && read_head(&j->head, &j->options, &media, &j->problem) == 0)
+		(void)set_up(j, &media);
 	return j;
 }
 
@@ -185,35 +142,49 @@ static double now(const struct api_job *j)
 	return j->head.now != NULL ? j->head.now() : 0;
 }
 
-static int too_large(struct api_job *j, size_t len)
-{
-	(void)api_problem_set(&j->problem, API_DECODED_TOO_LARGE,
-			      "The file is larger than the limit of %" PRIu64 " bytes.",
-			      j->head.limits.max_decoded);
-	j->problem.limit = j->head.limits.max_decoded;
-	j->problem.actual = j->bytes + len; /* so far */
-	return 1;
-}
-
 int api_job_push(struct api_job *j, const uint8_t *bytes, size_t len)
 {
-	struct mp_error err = {0};
 	double start;
 	int rc;
 
 	if (j->problem.code != API_OK)
 		return 1;
-	if (len > j->head.limits.max_decoded - j->bytes)
-		return too_large(j, len);
-	if (j->bytes < sizeof j->start)
-		memcpy(j->start + j->bytes, bytes, min(len, sizeof j->start - (size_t)j->bytes));
-	j->bytes += len;
 	start = now(j);
-	rc = mp_analysis_push(j->analysis, bytes, len, &err);
+	rc = api_coding_push(j->coding, bytes, len, &j->problem);
 	j->decode_s += now(j) - start;
-	if (rc)
-		(void)refuse(j, &err);
 	return rc ? 1 : 0;
+}
+
+int api_job_next_file(struct api_job *j, const char *filename)
+{
+	if (j->problem.code != API_OK)
+		return 1;
+	return api_files_begin(&j->files, filename, &j->problem) ? 1 : 0;
+}
+
+/* The body is over: so is everything that it went through. */
+static int finish(struct api_job *j)
+{
+	struct api_problem *p = &j->problem;
+
+	if (api_coding_finish(j->coding, p))
+		return -1;
+	if (j->form != NULL && (api_form_finish(j->form, p) || api_options_check(&j->options, p)))
+		return -1;
+	if (api_files_end(&j->files, p))
+		return -1;
+	if (j->files.count > 1)
+		j->options.sent.filenames = j->files.names.text;
+	return 0;
+}
+
+/* What is not needed for the answer; a zstd window may take more than the mesh. */
+static void drop_way(struct api_job *j)
+{
+	api_form_free(j->form);
+	api_coding_free(j->coding);
+	j->form = NULL;
+	j->coding = NULL;
 }
 
 /* The sentence of a strict refusal: what is wrong, in the order in which one would mend it. */
@@ -247,22 +218,19 @@ static char *make_report(struct api_job *j, struct api_answer *out)
 {
 	double start = now(j);
 	struct mp_report report;
-	struct mp_error err = {0};
 	char *json = NULL;
 
 	memset(&report, 0, sizeof report);
-	if (mp_analysis_report(j->analysis, &j->request, &report, &err)) {
-		(void)refuse(j, &err);
+	if (api_files_report(&j->files, &report, &j->problem))
 		return NULL;
-	}
 	out->format = api_format_word(report.notes.format);
 	out->triangles = report.triangles;
 	out->timing.analyse = (now(j) - start) * 1e3;
 	if (j->options.strict && report.solid == MP_NO) {
 		(void)not_a_solid(j, &report);
 	} else {
-		json = api_report_json(&report, &j->options, j->head.filename, &out->timing,
-				       &out->len);
+		json =
+		    api_report_json(&report, &j->options, j->files.first, &out->timing, &out->len);
 		if (json == NULL)
 			(void)too_expensive(&j->problem);
 	}
@@ -287,22 +255,22 @@ static void answer_problem(struct api_job *j, struct api_answer *out)
 
 void api_job_answer(struct api_job *j, double receive_ms, double queue_ms, struct api_answer *out)
 {
-	struct mp_error err = {0};
 	double start = now(j);
 
 	memset(out, 0, sizeof *out);
 	out->format = api_format_word(MP_FORMAT_UNKNOWN);
-	out->bytes = j->bytes;
-	if (j->problem.code == API_OK && mp_analysis_end(j->analysis, &err))
-		(void)refuse(j, &err);
+	if (j->problem.code == API_OK)
+		(void)finish(j);
+	out->bytes = j->coding != NULL ? api_coding_decoded(j->coding) : 0;
+	drop_way(j);
 	out->timing.receive = receive_ms;
 	out->timing.queue = queue_ms;
 	out->timing.decode = (j->decode_s + now(j) - start) * 1e3;
 	if (j->problem.code == API_OK)
 		out->body = make_report(j, out);
+	out->retire = mp_analysis_met_foreign_code(j->files.analysis);
 	/* whatever the mesh took is back before an error is put together */
-	mp_analysis_free(j->analysis);
-	j->analysis = NULL;
+	api_files_free(&j->files);
 	if (j->problem.code != API_OK) {
 		answer_problem(j, out);
 		return;
@@ -323,6 +291,7 @@ void api_job_free(struct api_job *j)
 {
 	if (j == NULL)
 		return;
-	mp_analysis_free(j->analysis);
+	drop_way(j);
+	api_files_free(&j->files);
 	free(j);
 }

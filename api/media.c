@@ -1,76 +1,103 @@
 #include "api/media.h"
 
-#include <stdbool.h>
 #include <string.h>
 #include <strings.h>
 
+#include "api/header.h"
 #include "api/job.h"
 
+static const char form_type[] = "multipart/form-data";
+
 const char *const api_media_types[] = {
-    "model/stl",          "model/obj",
-    "model/x-draco",      "application/octet-stream",
-    "text/plain",         "application/x-www-form-urlencoded", /* what curl's --data-binary says */
-    "application/sla",    "application/vnd.ms-pki.stl",
-    "model/x.stl-binary", "model/x.stl-ascii",
-    "application/x-tgif", NULL,
+    "model/stl",
+    "model/obj",
+    "model/x-draco",
+    "application/octet-stream",
+    "text/plain",
+    "application/x-www-form-urlencoded", /* what curl's --data-binary says */
+    "application/sla",
+    "application/vnd.ms-pki.stl",
+    "model/x.stl-binary",
+    "model/x.stl-ascii",
+    "application/x-tgif",
+    form_type,
+    NULL,
 };
 
 const char api_accept_post[] = "model/stl, application/octet-stream, text/plain, model/obj, "
 			       "model/x-draco, application/sla, application/vnd.ms-pki.stl, "
 			       "model/x.stl-binary, model/x.stl-ascii, application/x-tgif, "
-			       "application/x-www-form-urlencoded";
-const char api_accept_encoding[] = "identity";
+			       "application/x-www-form-urlencoded, multipart/form-data";
+const char api_accept_encoding[] = "gzip, zstd, identity";
 
-/* The first word of a header value: up to ${end} characters, blanks around it cut. */
-static size_t first_word(const char **value, const char *end)
+/* The characters that RFC 2046 gives a boundary; a blank cannot be the last. */
+static bool is_boundary(const char *text, size_t len)
 {
-	size_t len;
+	for (size_t i = 0; i < len; i++) {
+		char c = text[i];
 
-	*value += strspn(*value, " \t");
-	len = strcspn(*value, end);
-	while (len > 0 && ((*value)[len - 1] == ' ' || (*value)[len - 1] == '\t'))
-		len--;
-	return len;
+		if (!((c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+		      (c != '\0' && strchr("'()+_,-./:=? ", c) != NULL)))
+			return false;
+	}
+	return len > 0 && text[len - 1] != ' ';
 }
 
-static bool same(const char *text, size_t len, const char *word)
+static int bad(struct api_problem *p, const char *detail)
 {
-	return strlen(word) == len && strncasecmp(text, word, len) == 0;
+	return api_problem_set(p, API_BAD_MULTIPART, "%s", detail);
 }
 
-static int check_type(const char *type, struct api_problem *p)
+/* The parameters behind the media type. */
+static int read_boundary(const char *at, struct api_media *out, struct api_problem *p)
 {
-	size_t len = first_word(&type, ";");
+	const char *end = at + strlen(at);
+	struct api_param param;
+	bool seen = false;
+	int rc;
+
+	while ((rc = api_param_next(&at, end, &param)) > 0) {
+		size_t len;
+
+		if (!api_param_is(&param, "boundary"))
+			continue;
+		if (seen)
+			return bad(p, "Content-Type has more than one boundary.");
+		seen = true;
+		len = api_param_text(&param, out->boundary, sizeof out->boundary);
+		if (len >= sizeof out->boundary || !is_boundary(out->boundary, len))
+			return bad(p, "The boundary in Content-Type is malformed: it has 1 to 70 "
+				      "letters, digits or characters of '()+_,-./:=? .");
+	}
+	if (rc < 0)
+		return bad(p, "The parameters of Content-Type are malformed.");
+	return seen ? 0 : bad(p, "Content-Type multipart/form-data has no boundary.");
+}
+
+static int read_type(const char *type, struct api_media *out, struct api_problem *p)
+{
+	size_t len = api_header_word(&type, ";");
 
 	if (len == 0)
 		return 0;
-	for (size_t i = 0; api_media_types[i] != NULL; i++)
-		if (same(type, len, api_media_types[i]))
-			return 0;
-	if (same(type, len, "multipart/form-data"))
-		return api_problem_set(p, API_UNSUPPORTED_MEDIA_TYPE,
-				       "Forms come in a later version: send the file itself as the "
-				       "body (curl --data-binary @part.stl) and the options in the "
-				       "URL.");
+	for (size_t i = 0; api_media_types[i] != NULL; i++) {
+		if (strlen(api_media_types[i]) != len ||
+		    strncasecmp(type, api_media_types[i], len) != 0)
+			continue;
+		out->form = api_media_types[i] == form_type;
+		return out->form ? read_boundary(type + len, out, p) : 0;
+	}
 	return api_problem_set(p, API_UNSUPPORTED_MEDIA_TYPE,
-			       "The body must be a mesh file: model/stl, or "
-			       "application/octet-stream where its type is not known.");
+			       "The body must be a mesh file (model/stl, or "
+			       "application/octet-stream where its type is not known) or a form "
+			       "with one (multipart/form-data).");
 }
 
-int api_media_check(const char *content_type, const char *content_encoding, struct api_problem *p)
+int api_media_read(const char *content_type, const char *content_encoding, struct api_media *out,
+		   struct api_problem *p)
 {
-	if (content_type != NULL && check_type(content_type, p))
+	memset(out, 0, sizeof *out);
+	if (content_type != NULL && read_type(content_type, out, p))
 		return -1;
-	while (content_encoding != NULL && *content_encoding != '\0') { /* a list of codings */
-		size_t len = first_word(&content_encoding, ",");
-
-		if (len > 0 && !same(content_encoding, len, "identity"))
-			return api_problem_set(
-			    p, API_UNSUPPORTED_ENCODING,
-			    "Compressed bodies come in a later version: send the "
-			    "file without Content-Encoding.");
-		content_encoding += strcspn(content_encoding, ",");
-		content_encoding += *content_encoding == ',';
-	}
-	return 0;
+	return api_coding_read(content_encoding, &out->coding, p);
 }

@@ -22,11 +22,16 @@ struct doc {
 static void add_input(struct doc *d, cJSON *root, const char *filename)
 {
 	cJSON *in = api_json_object(&d->j, root, "input");
+	struct api_text names = {0};
 
 	if (filename != NULL)
 		api_json_string(&d->j, in, "filename", filename);
 	else
 		api_json_null(&d->j, in, "filename");
+	if (d->o->sent.filenames != NULL) {
+		api_text_say(&names, d->o->sent.filenames);
+		api_json_text(&d->j, in, "filenames", &names);
+	}
 	api_json_string(&d->j, in, "format", api_format_word(d->r->notes.format));
 	api_json_count(&d->j, in, "bytes", d->r->notes.bytes);
 	api_json_string(&d->j, in, "unit", api_unit_names[d->o->unit]);

@@ -129,7 +129,14 @@ static void matrix(struct table *t, const char *label, const char *path, const c
 
 static void put_heading(struct table *t)
 {
-	if (at(t->root, "input.filename") != NULL) {
+	const cJSON *names = at(t->root, "input.filenames");
+
+	if (cJSON_IsArray(names)) { /* several files, one solid */
+		for (const cJSON *n = names->child; n != NULL; n = n->next) {
+			put_string(t, n);
+			api_text_say(&t->out, n->next != NULL ? " + " : ": ");
+		}
+	} else if (at(t->root, "input.filename") != NULL) {
 		put_string(t, at(t->root, "input.filename"));
 		api_text_say(&t->out, ": ");
 	}

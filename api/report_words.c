@@ -11,6 +11,8 @@ const char *api_format_word(enum mp_format format)
 		return "obj";
 	case MP_FORMAT_DRACO:
 		return "draco";
+	case MP_FORMAT_MIXED:
+		return "mixed";
 	case MP_FORMAT_UNKNOWN:
 		break;
 	}

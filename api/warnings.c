@@ -1,6 +1,6 @@
 #include "api/warnings.h"
 
-enum { UNIT_ASSUMED = MP_WARNINGS, WARNINGS };
+enum { UNIT_ASSUMED = MP_WARNINGS, ATTACHMENT_IGNORED, WARNINGS };
 
 static const struct api_warning rows[WARNINGS] = {
     [MP_WARN_OPEN] =
@@ -79,6 +79,10 @@ static const struct api_warning rows[WARNINGS] = {
 	 "No unit was given and the file does not say one, so its numbers were taken as "
 	 "millimetres. If they are inches, send unit=in: otherwise the mass is wrong by a "
 	 "factor of 16387."},
+    [ATTACHMENT_IGNORED] =
+	{"attachment_ignored",
+	 "Some files of the form are materials or pictures by their names or media types. "
+	 "They were passed over: nothing here depends on them."},
 };
 
 const struct api_warning *api_warning_row(size_t i)
@@ -91,6 +95,8 @@ bool api_warning_applies(size_t i, const struct mp_report *report,
 {
 	if (i == UNIT_ASSUMED)
 		return !options->unit_given;
+	if (i == ATTACHMENT_IGNORED)
+		return options->sent.attachment;
 	if (i == MP_WARN_DEFECTS_TRUNCATED && lists_cut)
 		return true;
 	return i < MP_WARNINGS && MP_WARNED(report, i);

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "core/analysis_state.h"
+#include "core/notes.h"
 
 /* Triangle numbers are uint32_t and UINT32_MAX means none. */
 #define MOST_TRIANGLES (UINT32_MAX - 1)
@@ -45,7 +46,7 @@ static int take_part(void *self, uint64_t first, const char *name, size_t len, s
 {
 	struct mp_analysis *a = self;
 
-	return mp_parts_add(&a->parts, first, name, len, err);
+	return mp_parts_add(&a->parts, a->first + first, name, len, err);
 }
 
 static int begin(struct mp_analysis *a, enum mp_format_wish format, bool asked,
@@ -66,7 +67,7 @@ struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_
 		return NULL;
 	}
 	a->request = *request;
-	a->sink = (struct mp_sink){take_block, take_part, a};
+	a->sink = (struct mp_sink){.block = take_block, .part = take_part, .self = a};
 	mp_moments_begin(&a->moments);
 	a->vertices = mp_vertices_new(request->key, err);
 	if (a->vertices == NULL)
@@ -108,23 +109,46 @@ int mp_analysis_push(struct mp_analysis *a, const uint8_t *bytes, size_t len, st
 	return len == 0 ? 0 : a->decoder->push(a->state, bytes, len, err);
 }
 
-int mp_analysis_end(struct mp_analysis *a, struct mp_error *err)
+static int end_file(struct mp_analysis *a, struct mp_error *err)
 {
-	if (a->decoder == NULL) {
-		if (a->head_len == 0)
-			return mp_fail(err, MP_EMPTY, MP_NO_BYTE, "the file is empty");
-		if (decide(a, err))
-			return -1;
-	}
+	if (a->decoder == NULL && decide(a, err))
+		return -1;
 	if (a->decoder->finish(a->state, err))
 		return -1;
-	if (a->triangles == 0)
+	if (a->triangles == a->first)
 		return mp_fail(err, MP_NO_FACES, MP_NO_BYTE, "the file has no triangles");
 	a->decoder->end(a->state);
 	a->state = NULL;
+	mp_notes_add(&a->before, &a->notes);
+	return 0;
+}
+
+int mp_analysis_next(struct mp_analysis *a, struct mp_error *err)
+{
+	if (end_file(a, err))
+		return -1;
+	a->decoder = NULL;
+	a->head_len = 0;
+	a->first = a->triangles;
+	/* the last named part ends here, whether or not the next file names any */
+	if (a->parts.count > 0 && mp_parts_add(&a->parts, a->first, "", 0, err))
+		return -1;
+	return a->request.format == MP_WISH_AUTO ? 0 : begin(a, a->request.format, true, err);
+}
+
+int mp_analysis_end(struct mp_analysis *a, struct mp_error *err)
+{
+	if (end_file(a, err))
+		return -1;
+	a->notes = a->before;
 	mp_vertices_seal(a->vertices);
 	a->ended = true;
 	return 0;
+}
+
+bool mp_analysis_met_foreign_code(const struct mp_analysis *a)
+{
+	return a != NULL && (a->notes.foreign_code || a->before.foreign_code);
 }
 
 void mp_analysis_free(struct mp_analysis *a)

@@ -22,15 +22,17 @@ struct mp_probe {
 };
 
 int mp_containment_begin(struct mp_containment *c, const struct mp_mesh *mesh, const uint32_t *row,
-			 const uint32_t *list, uint64_t *steps)
+			 const uint32_t *list)
 {
 	c->mesh = mesh;
 	c->row = row;
 	c->list = list;
-	c->steps = steps;
 	c->probe = malloc(PROBES * sizeof *c->probe);
 	c->tree = malloc(PROBES * sizeof *c->tree);
-	return c->probe != NULL && c->tree != NULL ? 0 : -1;
+	if (c->probe != NULL && c->tree != NULL)
+		return 0;
+	mp_containment_end(c);
+	return -1;
 }
 
 void mp_containment_end(struct mp_containment *c)
@@ -143,7 +145,7 @@ static int cast(struct mp_containment *c, uint32_t container, size_t count)
 		for (unsigned k = 0; k < 3; k++)
 			mp_vertices_get(c->mesh->vertices, v[k], m.tri.p[k]);
 		shadow(&m.tri, lo, hi);
-		if (mp_kd_search(c->tree, count, lo, hi, c->steps, meet, &m))
+		if (mp_kd_search(c->tree, count, lo, hi, &c->steps, meet, &m))
 			return -1;
 	}
 	return 0;

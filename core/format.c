@@ -92,9 +92,7 @@ const struct mp_decoder_ops *mp_format_decoder(enum mp_format_wish format, bool 
 			      asked ? "OBJ files are not read yet"
 				    : "an OBJ file, and OBJ files are not read yet");
 	else if (format == MP_WISH_DRACO)
-		(void)mp_fail(err, MP_UNSUPPORTED, MP_NO_BYTE, "%s%s", seems,
-			      asked ? "Draco files are not read yet"
-				    : "a Draco file, and Draco files are not read yet");
+		return &mp_draco_decoder;
 	else
 		return &mp_stl_decoder;
 	return NULL;

@@ -18,7 +18,7 @@ struct srv_slot {
 	pid_t pid;     /* 0: none */
 	double forked; /* when */
 	double retry;  /* not before, after a failed or short-lived start */
-	char role[16];
+	char role[24];
 };
 
 struct srv_master {
