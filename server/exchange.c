@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 #include "server/clock.h"
@@ -23,7 +24,7 @@ static void split_uri(struct srv_exchange *ex)
 {
 	char *at = ex->uri, *mark;
 
-	if (strncmp(at, "http://", 7) == 0 || strncmp(at, "https://", 8) == 0) {
+	if (strncasecmp(at, "http://", 7) == 0 || strncasecmp(at, "https://", 8) == 0) {
 		char *slash = strchr(strstr(at, "//") + 2, '/');
 
 		at = slash != NULL ? slash : at + strlen(at);

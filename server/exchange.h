@@ -61,6 +61,7 @@ struct srv_exchange {
 	char origin[256]; /* allowed origin, "" for none */
 	enum srv_endpoint endpoint;
 	bool head_seen, expects_body, expects_continue;
+	bool distrusted; /* nobody knows where its body ends: it is not read */
 
 	struct srv_body body;
 	char content_type[SRV_HEADER_MAX], content_encoding[SRV_HEADER_MAX];

@@ -12,7 +12,7 @@
 #include "server/front_private.h"
 #include "server/http.h"
 
-enum { EVENTS = 64, TICK_MS = 100 };
+enum { EVENTS = 64, TICK_MS = 100, MOST_FRUITLESS = 100 };
 
 int srv_front_watch(struct srv_front *f, int fd, enum srv_event kind, unsigned index,
 		    uint32_t events)
@@ -116,6 +116,9 @@ static int wait_ms(struct srv_front *f)
 {
 	int ms = srv_http_timeout(f->http);
 
+	/* The library would poll without end on a chunk-size line that does not fit its buffer. */
+	if (ms == 0 && f->fruitless > MOST_FRUITLESS)
+		return TICK_MS / 5;
 	return ms >= 0 && ms < TICK_MS ? ms : TICK_MS;
 }
 
@@ -130,12 +133,12 @@ static void loop(struct srv_front *f)
 
 		for (int i = 0; i < n; i++)
 			handle(f, &event[i]);
-		srv_http_run(f->http);
+		f->fruitless = srv_http_run(f->http) || n > 0 ? 0 : f->fruitless + 1;
 		now = srv_now();
 		if (now - ticked >= 1e-3 * TICK_MS) {
 			ticked = now;
 			tick(f, now);
-			srv_http_run(f->http);
+			(void)srv_http_run(f->http);
 		}
 	}
 }

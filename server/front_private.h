@@ -27,6 +27,7 @@ struct srv_front {
 	bool refusing; /* no new work is taken */
 	double drain_began;
 	bool stop;
+	unsigned fruitless; /* rounds in a row without an event or a step of a request */
 	char *capabilities;
 	size_t capabilities_len;
 };

@@ -16,11 +16,34 @@ static int parse_length(const char *text, uint64_t *out)
 	return 0;
 }
 
+static bool begins_like(const char *name, const char *framing)
+{
+	size_t len = strlen(framing);
+
+	return strlen(name) > len && strncasecmp(name, framing, len) == 0;
+}
+
+bool srv_guard_field(const char *name, const char *value)
+{
+	static const char marks[] = "!#$%&'*+-.^_`|~";
+
+	if (*name == '\0' || begins_like(name, "content-length") ||
+	    begins_like(name, "transfer-encoding"))
+		return false;
+	for (; *name != '\0'; name++)
+		if (!isalnum((unsigned char)*name) && strchr(marks, *name) == NULL)
+			return false;
+	for (; *value != '\0'; value++)
+		if (((unsigned char)*value < 0x20 && *value != '\t') || *value == 0x7f)
+			return false;
+	return true;
+}
+
 const char *srv_guard_judge(const struct srv_head *h, uint64_t *length)
 {
 	*length = API_NONE;
 	if (h->bad_bytes)
-		return "a header holds a control byte";
+		return "a header is malformed";
 	if (h->lengths > 1)
 		return "Content-Length is repeated";
 	if (h->transfers > 1)

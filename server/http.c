@@ -11,6 +11,7 @@
 #include "server/clock.h"
 #include "server/front_private.h"
 #include "server/reply.h"
+#include "server/route.h"
 
 #if MHD_VERSION < 0x00097100
 #error "libmicrohttpd 0.9.71 or newer is needed"
@@ -22,6 +23,7 @@ struct srv_http {
 	struct srv_front *front;
 	struct MHD_Daemon *daemon;
 	struct srv_clients clients;
+	unsigned long calls; /* of ours by the library, ever */
 };
 
 static int descriptor(struct MHD_Connection *connection)
@@ -53,14 +55,6 @@ static const struct field {
 #undef VALUE
 };
 
-static bool has_control(const char *s)
-{
-	for (; *s != '\0'; s++)
-		if (((unsigned char)*s < 0x20 && *s != '\t') || *s == 0x7f)
-			return true;
-	return false;
-}
-
 static enum MHD_Result read_header(void *cls, enum MHD_ValueKind kind, const char *name,
 				   const char *value)
 {
@@ -69,7 +63,7 @@ static enum MHD_Result read_header(void *cls, enum MHD_ValueKind kind, const cha
 	(void)kind;
 	if (value == NULL)
 		value = "";
-	if (has_control(name) || has_control(value) || strpbrk(name, " \t") != NULL)
+	if (!srv_guard_field(name, value))
 		head->bad_bytes = true;
 	for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
 		if (strcasecmp(name, fields[i].name) != 0)
@@ -127,6 +121,7 @@ static void *on_uri(void *cls, const char *uri, struct MHD_Connection *connectio
 	struct srv_client *client = srv_clients_at(&h->clients, descriptor(connection));
 	struct srv_exchange *ex = srv_exchange_new(h->front, uri);
 
+	h->calls++;
 	if (ex == NULL)
 		return NULL;
 	ex->connection = connection;
@@ -152,7 +147,7 @@ static enum MHD_Result first_call(struct srv_exchange *ex, const char *method, c
 	(void)MHD_get_connection_values(ex->connection, MHD_HEADER_KIND, read_header, &head);
 	srv_exchange_head(ex, &head);
 	/* Who waits for a 100 gets a refusal instead; who does not must be let finish first. */
-	if (ex->answered && ex->expects_body && ex->expects_continue)
+	if (ex->answered && (ex->distrusted || (ex->expects_body && ex->expects_continue)))
 		return send_answer(ex);
 	return MHD_YES;
 }
@@ -162,10 +157,11 @@ static enum MHD_Result on_request(void *cls, struct MHD_Connection *connection, 
 				  size_t *len, void **context)
 {
 	struct srv_exchange *ex = *context;
+	struct srv_http *h = cls;
 
-	(void)cls;
 	(void)connection;
 	(void)url;
+	h->calls++;
 	if (ex == NULL || ex->gone)
 		return MHD_NO;
 	if (!ex->head_seen)
@@ -364,9 +360,12 @@ int srv_http_epoll(struct srv_http *h)
 	return info != NULL ? info->epoll_fd : -1;
 }
 
-void srv_http_run(struct srv_http *h)
+bool srv_http_run(struct srv_http *h)
 {
+	unsigned long calls = h->calls;
+
 	(void)MHD_run(h->daemon);
+	return h->calls != calls;
 }
 
 int srv_http_timeout(struct srv_http *h)

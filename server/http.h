@@ -18,8 +18,8 @@ int srv_http_epoll(struct srv_http *);
 /* A listening socket is readable: take what waits, up to a bounded number. */
 void srv_http_accept(struct srv_http *, int listener);
 
-/* Do what is ready. */
-void srv_http_run(struct srv_http *);
+/* Do what is ready; false where no request came any further by it. */
+bool srv_http_run(struct srv_http *);
 
 /* Milliseconds until srv_http_run() is due without any event; -1: never. */
 int srv_http_timeout(struct srv_http *);

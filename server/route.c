@@ -251,6 +251,7 @@ void srv_route_head(struct srv_exchange *ex, const struct srv_head *h)
 	if (wrong != NULL) {
 		refuse(ex, API_BAD_REQUEST, wrong);
 		ex->reply.close = true;
+		ex->distrusted = true;
 		return;
 	}
 	dispatch(ex, h, length);

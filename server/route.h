@@ -17,6 +17,13 @@ void srv_route_head(struct srv_exchange *ex, const struct srv_head *head);
  */
 const char *srv_guard_judge(const struct srv_head *head, uint64_t *length);
 
+/*
+ * Is a header field sound?  A name is a token (RFC 9110, 5.6.2), a value has no control bytes.
+ * libmicrohttpd 0.9 makes "Content-Length5" of a Content-Length that is folded onto a second line:
+ * names that begin like that would hide where a body ends and are refused.
+ */
+bool srv_guard_field(const char *name, const char *value);
+
 /* Does one of the configured origins (exact, *.suffix, *) cover ${origin}? */
 bool srv_cors_allows(const struct srv_config *config, const char *origin);
 

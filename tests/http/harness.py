@@ -22,11 +22,14 @@ import sys
 import tempfile
 import time
 
+import schema
+
 PROGRAM = os.environ.get("MASSPROPD", "build/masspropd")
 
 # ---------------------------------------------------------------------------------------- TAP
 
 _results = []
+_contract = {"answers": 0, "faults": []}
 
 
 def check(name, condition, detail=""):
@@ -43,6 +46,11 @@ def check(name, condition, detail=""):
 
 def finish():
     """The last call of every test file: without the plan the file counts as crashed."""
+    if _contract["answers"] > 0:
+        if schema.Draft202012Validator is None:
+            check("python3-jsonschema is there", False)
+        check("every JSON answer is as api/openapi.json says", not _contract["faults"],
+              "\n".join(_contract["faults"][:20]))
     print(f"1..{len(_results)}", flush=True)
     sys.exit(0 if _results and all(_results) else 1)
 
@@ -159,7 +167,11 @@ class Daemon:
             return "killed: it did not stop"
 
     def curl(self, path, *args, body=None, timeout=60):
-        return curl(self.url + path, *args, body=body, timeout=timeout)
+        answer = curl(self.url + path, *args, body=body, timeout=timeout)
+        if answer.json is not None:
+            _contract["answers"] += 1
+            _contract["faults"] += schema.faults(path, answer)
+        return answer
 
     def get(self, path, *args, timeout=60):
         return self.curl(path, *args, timeout=timeout)

@@ -146,7 +146,34 @@ static void what_describes_the_body_comes_once_and_clean(void **state)
 	refused(h, "Content-Encoding");
 	h = sound();
 	h.bad_bytes = true;
-	refused(h, "control");
+	refused(h, "malformed");
+}
+
+static void fields_are_tokens_with_clean_values(void **state)
+{
+	static const char *const names[] = {"",
+					    "X A",
+					    "X\t",
+					    "X(",
+					    "X:",
+					    "caf\xe9",
+					    "X\x7f",
+					    "X\x01",
+					    "Transfer-Encodingchunked", /* folded lines */
+					    "content-length684",
+					    "CONTENT-LENGTH-"};
+	static const char *const values[] = {"a\x01", "\x7f", "a\rb", "a\nb", "\x0b"};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+		if (srv_guard_field(names[i], "x"))
+			fail_msg("%s", names[i]);
+	for (size_t i = 0; i < sizeof values / sizeof values[0]; i++)
+		assert_false(srv_guard_field("X", values[i]));
+	assert_true(srv_guard_field("Content-Length", "684"));
+	assert_true(srv_guard_field("transfer-encoding", "chunked"));
+	assert_true(srv_guard_field("X_1.a!#$%&'*+-^`|~", "\t a \xff caf\xe9"));
+	assert_true(srv_guard_field("X", ""));
 }
 
 static void origins_are_exact_or_below_a_suffix(void **state)
@@ -248,6 +275,7 @@ int main(void)
 	    cmocka_unit_test(two_ways_to_frame_a_body_are_one_too_many),
 	    cmocka_unit_test(lengths_are_plain_digits_of_a_sane_size),
 	    cmocka_unit_test(a_host_is_given_exactly_once),
+	    cmocka_unit_test(fields_are_tokens_with_clean_values),
 	    cmocka_unit_test(what_describes_the_body_comes_once_and_clean),
 	    cmocka_unit_test(origins_are_exact_or_below_a_suffix),
 	    cmocka_unit_test(json_is_acceptable_where_a_range_covers_it),
