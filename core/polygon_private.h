@@ -38,6 +38,16 @@ void polygon_tree_remove(struct polygon_tree *t, uint32_t corner);
 uint64_t polygon_tree_search(const struct polygon_tree *t, const double *const tri[3],
 			     bool (*visit)(void *self, uint32_t corner), void *self);
 
+/* At least ${size} bytes in p->work, what was in it is lost; NULL where memory is out. */
+void *polygon_room(struct mp_polygon *p, size_t size, struct mp_error *err);
+
+/*
+ * Sweep: as polygon_clip(), in O(n log n) time, but only where the boundary does not touch itself,
+ * bridges to holes and repeated corners apart; ${*split_up} says whether that was so.
+ */
+int polygon_sweep(struct mp_polygon *p, const double (*xyz)[3], const uint32_t *corner, uint32_t n,
+		  const int axis[2], bool *split_up, struct mp_error *err);
+
 /*
  * Clip ears: corner i lies at {xyz[corner[i]][axis[0]], ...[axis[1]]}, the whole counter-clockwise
  * in that plane; writes n - 2 triangles to p->tri.  n >= 4.

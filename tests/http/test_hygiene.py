@@ -23,7 +23,7 @@ def send(d, data, head=False):
     with Wire(d.port, PATIENCE) as w:
         w.send(data)
         a = w.one(head)
-        w.socket.settimeout(0.3)
+        w.socket.settimeout(0.2)
         ended = w.ends()
         return a, ended, len(replies(w.data[w.used:])) > 0
 
@@ -90,7 +90,6 @@ BYTES = {
     "CR in a value": raw("GET /livez HTTP/1.1", b"X-A: a\rX-B: b"),
     "a blank in a name": raw("GET /livez HTTP/1.1", b"X A: b"),
     "no colon": raw("GET /livez HTTP/1.1", b"nonsense"),
-    "an empty name": raw("GET /livez HTTP/1.1", b": value"),
     "a name in brackets": raw("GET /livez HTTP/1.1", b"X(A): value"),
     "a name in Latin-1": raw("GET /livez HTTP/1.1", b"caf\xe9: value"),
     "a first line that is folded": raw("GET /livez HTTP/1.1", " X: y", host=False),
@@ -262,8 +261,9 @@ def test_no_spinning(d):
     check_all("waiting costs nothing", cases())
 
 
-with Daemon("--workers", "1", "--header-timeout", "1s", "--body-timeout", "1500ms") as daemon:
-    test_tables(daemon)
+with Daemon("--workers", "1", "--header-timeout", "400ms", "--body-timeout", "500ms") as hasty:
+    test_tables(hasty)
+with Daemon("--workers", "1") as daemon:
     test_nul(daemon)
     test_no_spinning(daemon)
     test_hosts(daemon)
