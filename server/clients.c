@@ -25,7 +25,7 @@ int srv_clients_init(struct srv_clients *c, struct srv_front *front)
 
 	memset(c, 0, sizeof *c);
 	c->front = front;
-	c->reserve = open("/dev/null", O_RDONLY | O_CLOEXEC);
+	c->reserve = fcntl(front->epoll, F_DUPFD_CLOEXEC, 0);
 	if (getrlimit(RLIMIT_NOFILE, &limit) != 0)
 		return -1;
 	c->entries = limit.rlim_cur > 65536 ? 65536 : (int)limit.rlim_cur;
@@ -77,7 +77,7 @@ static void turn_away_blind(struct srv_clients *c, int listener)
 	fd = accept4(listener, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
 	if (fd >= 0)
 		turn_away(fd);
-	c->reserve = open("/dev/null", O_RDONLY | O_CLOEXEC);
+	c->reserve = fcntl(c->front->epoll, F_DUPFD_CLOEXEC, 0);
 }
 
 /* False: turned away. */

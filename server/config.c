@@ -10,7 +10,7 @@
 
 extern char **environ;
 
-enum kind { LIST_LISTEN, LIST_ORIGIN, SIZE, DURATION, COUNT, LEVEL, FORMAT };
+enum kind { LIST_LISTEN, LIST_ORIGIN, SIZE, DURATION, COUNT, LEVEL, FORMAT, SANDBOX };
 
 struct row {
 	const char *name, *fallback, *help;
@@ -51,6 +51,8 @@ static const struct row rows[] = {
      AT(drain_timeout), 0, 86400},
     {"cors-origin", NULL, "origins that browsers may call from: exact, *.suffix or *, by commas",
      "none", LIST_ORIGIN, 0, 0, 0},
+    {"sandbox", "auto", "seccomp and Landlock: auto (what the kernel has), require or off", NULL,
+     SANDBOX, 0, 0, 0},
     {"log-format", "text", "text or json", NULL, FORMAT, 0, 0, 0},
     {"log-level", "info", "error, warn, info or debug", NULL, LEVEL, 0, 0, 0},
 };
@@ -138,6 +140,7 @@ static int set(struct srv_config *c, const struct row *row, const char *text, bo
 {
 	static const char *const levels[] = {"error", "warn", "info", "debug", NULL};
 	static const char *const formats[] = {"text", "json", NULL};
+	static const char *const modes[] = {"auto", "require", "off", NULL};
 	int i;
 
 	switch (row->kind) {
@@ -154,6 +157,11 @@ static int set(struct srv_config *c, const struct row *row, const char *text, bo
 		if ((i = word(text, formats)) < 0)
 			return -1;
 		c->log_json = i == 1;
+		return 0;
+	case SANDBOX:
+		if ((i = word(text, modes)) < 0)
+			return -1;
+		c->sandbox = (enum srv_sandbox_mode)i;
 		return 0;
 	case SIZE:
 	case DURATION:

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "server/log.h"
+#include "server/sandbox.h"
 
 enum { SRV_LISTEN_MAX = 16, SRV_ORIGIN_MAX = 64 };
 
@@ -24,6 +25,7 @@ struct srv_config {
 	uint64_t memory; /* bytes for workers and spool; 0 = found out */
 	double header_timeout, body_timeout, deadline, write_timeout; /* seconds */
 	double drain_delay, drain_timeout;
+	enum srv_sandbox_mode sandbox;
 	enum srv_level log_level;
 	bool log_json;
 	bool help, version, health; /* asked for instead of serving */

@@ -112,12 +112,21 @@ static void tick(struct srv_front *f, double now)
 	tick_drain(f, now);
 }
 
+static bool sends(const struct srv_front *f)
+{
+	const struct srv_exchange *ex = f->exchanges;
+
+	while (ex != NULL && (!ex->sent || ex->gone))
+		ex = ex->next;
+	return ex != NULL;
+}
+
 static int wait_ms(struct srv_front *f)
 {
 	int ms = srv_http_timeout(f->http);
 
 	/* The library would poll without end on a chunk-size line that does not fit its buffer. */
-	if (ms == 0 && f->fruitless > MOST_FRUITLESS)
+	if (ms == 0 && f->fruitless > MOST_FRUITLESS && !sends(f))
 		return TICK_MS / 5;
 	return ms >= 0 && ms < TICK_MS ? ms : TICK_MS;
 }
@@ -176,11 +185,18 @@ int srv_front_run(const struct srv_front_gift *gift)
 	struct srv_front f = {
 	    .gift = gift, .config = gift->config, .budget = {gift->spool_budget, 0}};
 	struct srv_order ready = {.kind = SRV_ORDER_READY};
+	char why[200];
 
 	if (set_up(&f) != 0) {
 		srv_log(SRV_ERROR, "cannot begin: %s", strerror(errno));
 		return 1;
 	}
+	if (srv_sandbox_obey(f.config->sandbox, SRV_SANDBOX_FRONT, why, sizeof why) != 0) {
+		srv_log(SRV_ERROR, "the sandbox is required, but there is %s", why);
+		return 1;
+	}
+	if (why[0] != '\0')
+		srv_log(SRV_WARN, "the sandbox is weaker than it might be: %s", why);
 	if (srv_channel_send(gift->master, &ready, sizeof ready, NULL, 0) != 0)
 		return 1;
 	loop(&f);

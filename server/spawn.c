@@ -52,7 +52,6 @@ _Noreturn static void worker_child(struct srv_master *m, unsigned i, int sock)
 	for (unsigned k = 0; k < m->slots; k++) /* another customer's bytes are none of ours */
 		if (k != i)
 			(void)munmap(m->slot[k].segment, sizeof(struct srv_segment));
-	(void)prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
 	(void)setrlimit(RLIMIT_CORE, &no_core);
 	limit_memory(i + 1 == m->slots ? m->memory.lane : m->memory.worker);
 	srv_worker_run(m->config, sock, m->slot[i].segment);
@@ -112,7 +111,6 @@ _Noreturn static void front_child(struct srv_master *m, int channel)
 	become_child(m, "front");
 	for (unsigned i = 0; i < m->slots; i++)
 		segment[i] = m->slot[i].segment;
-	(void)prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
 	exit(srv_front_run(&gift));
 }
 

@@ -187,6 +187,10 @@ static void work(struct worker *w, int spool)
 void srv_worker_run(const struct srv_config *config, int sock, struct srv_segment *segment)
 {
 	struct worker w = {config, sock, segment};
+	char why[200];
+
+	if (srv_sandbox_obey(config->sandbox, SRV_SANDBOX_WORKER, why, sizeof why) != 0)
+		_exit(7); /* the front said why and has not begun either */
 
 	/* Fresh pages cost more than anything that is done with them: keep what was touched. */
 	mallopt(M_MMAP_THRESHOLD, 1 << 30);
