@@ -55,7 +55,7 @@ LINK     := -pie --coverage
 endif
 
 # Optimisation of single files, in the place of -O2: opt_FOLDER/NAME.c.
-opt_core/moments.c := -O3
+opt_core/moments_kernel.c := -O3
 
 optimised = $(patsubst -O2,$(or $(opt_$<),-O2),$(CFLAGS))
 flags     = $(DEFINES) $(CPPFLAGS) $(WARN) -fPIE $(optimised) $(HARDEN) $(MATH)

@@ -32,7 +32,9 @@ struct api_coding {
 	bool begun; /* a member or frame began */
 	z_stream gzip;
 	ZSTD_DCtx *zstd;
-	size_t hint; /* what libzstd wants next */
+	size_t hint;  /* what libzstd wants next */
+	size_t slice; /* bytes left of what it may get at once */
+	uint64_t slice_at;
 	uint8_t magic[ZSTD_MAGIC];
 	size_t magic_len;
 	uint8_t piece[]; /* PIECE bytes, none for identity */
@@ -236,23 +238,30 @@ static int zstd_error(const struct api_coding *c, size_t rc, struct api_problem 
 
 /*
  * ${len} > 0 bytes within a frame.  libzstd forgets what it has put out in a call that ends in an
- * error, so that no call gets more than the rest of one header or block: the hint counts the next
- * block's header too.
+ * error, so that no call gets more than one slice, a header or a block or less: the hint counts the
+ * next block's header too.  Where a slice ends does not hang on where a chunk does.
  */
 static int unpack(struct api_coding *c, const uint8_t *bytes, size_t len, struct api_problem *p)
 {
 	bool full = false;
 
 	while ((len > 0 || full) && c->place == INSIDE) {
-		size_t give = c->hint > ZSTD_BLOCK_HEADER ? c->hint - ZSTD_BLOCK_HEADER : 1;
 		ZSTD_outBuffer out = {c->piece, PIECE, 0};
-		ZSTD_inBuffer in = {bytes, len < give ? len : give, 0};
-		size_t rc = ZSTD_decompressStream(c->zstd, &out, &in);
+		ZSTD_inBuffer in = {bytes, 0, 0};
+		size_t rc;
 
+		if (c->slice == 0 && !full) {
+			c->slice = c->hint > ZSTD_BLOCK_HEADER ? c->hint - ZSTD_BLOCK_HEADER : 1;
+			c->slice_at = c->at;
+		}
+		if (!full) /* what is left of a block comes out first */
+			in.size = len < c->slice ? len : c->slice;
+		rc = ZSTD_decompressStream(c->zstd, &out, &in);
 		if (ZSTD_isError(rc)) {
-			c->at += in.size;
+			c->at = c->slice_at;
 			return zstd_error(c, rc, p);
 		}
+		c->slice -= in.pos;
 		c->hint = rc;
 		if (rc == 0)
 			c->place = BETWEEN;
@@ -299,8 +308,8 @@ static int push_zstd(struct api_coding *c, const uint8_t *bytes, size_t len, str
 		c->magic_len = 0;
 		c->begun = true;
 		c->place = INSIDE;
-		c->hint = ZSTD_BLOCK_HEADER + 1;
-		c->at -= ZSTD_MAGIC; /* unpack() counts them */
+		c->slice = ZSTD_MAGIC;
+		c->slice_at = c->at -= ZSTD_MAGIC; /* unpack() counts them */
 		if (unpack(c, c->magic, ZSTD_MAGIC, p))
 			return -1;
 	}

@@ -40,7 +40,8 @@ struct api_coding *api_coding_new(enum api_coding_kind kind, uint64_t most,
 /*
  * Take ${len} encoded bytes.  gzip: members one behind the other are one file (RFC 1952, 2.2), and
  * zeros may fill up its end; zstd: frames, and skippable ones between them (RFC 8878, 3.1).
- * -1 with ${p}: bad_encoding with the offset in the encoded body up to which it was read;
+ * -1 with ${p}: bad_encoding with the offset in the encoded body up to which it was good (zstd: at
+ * which the damaged header or block begins);
  * decoded_too_large with the limit and, since the true figure would have to be decoded first, the
  * next number as the actual one; too_expensive; or what the sink said, which has got all that was
  * decoded until then.  Only api_coding_free() is legal afterwards.

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "api/named.h"
 #include "api/utf8.h"
 
 enum { SHOWN = 128 }; /* bytes of a name in a sentence */
@@ -37,6 +38,8 @@ static enum api_code code_of(enum mp_code code)
 		return API_TOO_MANY_TRIANGLES;
 	case MP_NOMEM:
 		return API_TOO_EXPENSIVE;
+	case MP_BAD_NAME:
+		return API_BAD_OPTION;
 	case MP_OK:
 	case MP_BUG:
 		break;
@@ -193,6 +196,8 @@ int api_files_report(struct api_files *f, struct mp_report *out, struct api_prob
 	api_options_request(f->options, &f->request);
 	if (mp_analysis_report(f->analysis, &f->request, out, &err) == 0)
 		return 0;
+	if (err.code == MP_BAD_NAME)
+		return api_named_refuse(&f->options->named, f->analysis, &err, p);
 	return refuse(f, &err, p);
 }
 

@@ -17,6 +17,8 @@ struct api_job {
 	struct api_job_head head; /* its strings stand behind the struct */
 	struct api_options options;
 	struct api_problem problem; /* API_OK: no verdict yet */
+	struct api_problem held;    /* of what was decoded, while the rest is to be */
+	bool encoded;               /* by more than identity */
 	struct api_coding *coding;  /* bytes go through this, */
 	struct api_form *form;      /* through this (NULL: the body is one file) */
 	struct api_files files;     /* and in here */
@@ -54,8 +56,10 @@ int api_job_precheck(const struct api_job_head *head, struct api_problem *p)
 {
 	struct api_options options;
 	struct api_media media;
+	int rc = read_head(head, &options, &media, p);
 
-	return read_head(head, &options, &media, p);
+	api_options_free(&options);
+	return rc;
 }
 
 /* Move one string of the head to ${*room}, which is large enough. */
@@ -96,20 +100,36 @@ static struct api_job *copy_head(const struct api_job_head *head)
 	return j;
 }
 
-static int form_bytes(void *self, const uint8_t *bytes, size_t len, struct api_problem *p)
+static int pass_on(struct api_job *j, const uint8_t *bytes, size_t len, struct api_problem *p)
 {
-	return api_form_push(self, bytes, len, p);
+	if (j->form != NULL)
+		return api_form_push(j->form, bytes, len, p);
+	return api_files_bytes(&j->files, bytes, len, p);
 }
 
-static int file_bytes(void *self, const uint8_t *bytes, size_t len, struct api_problem *p)
+/*
+ * Decoded bytes.  What is wrong with them waits until the coding itself was judged, so that a bomb
+ * is too large and a damaged stream is damaged, whatever is in them.
+ */
+static int take_decoded(void *self, const uint8_t *bytes, size_t len, struct api_problem *p)
 {
-	return api_files_bytes(self, bytes, len, p);
+	struct api_job *j = self;
+
+	if (j->held.code != API_OK)
+		return 0;
+	if (pass_on(j, bytes, len, p) == 0)
+		return 0;
+	if (!j->encoded || p->code == API_TOO_EXPENSIVE || p->code == API_INTERNAL)
+		return -1;
+	j->held = *p;
+	memset(p, 0, sizeof *p);
+	return 0;
 }
 
 /* The way of the bytes, by what the head says of them. */
 static int set_up(struct api_job *j, const struct api_media *media)
 {
-	struct api_sink sink = {file_bytes, &j->files};
+	const struct api_sink sink = {take_decoded, j};
 
 	j->files.options = &j->options;
 	j->files.several = j->head.several;
@@ -119,8 +139,8 @@ static int set_up(struct api_job *j, const struct api_media *media)
 		j->form = api_form_new(media->boundary, &j->options, &j->files);
 		if (j->form == NULL)
 			return too_expensive(&j->problem);
-		sink = (struct api_sink){form_bytes, j->form};
 	}
+	j->encoded = media->coding != API_CODING_IDENTITY;
 	j->coding = api_coding_new(media->coding, j->head.limits.max_decoded, &sink);
 	if (j->coding == NULL)
 		return too_expensive(&j->problem);
@@ -169,6 +189,10 @@ static int finish(struct api_job *j)
 
 	if (api_coding_finish(j->coding, p))
 		return -1;
+	if (j->held.code != API_OK) {
+		*p = j->held;
+		return -1;
+	}
 	if (j->form != NULL && (api_form_finish(j->form, p) || api_options_check(&j->options, p)))
 		return -1;
 	if (api_files_end(&j->files, p))
@@ -293,5 +317,6 @@ void api_job_free(struct api_job *j)
 		return;
 	drop_way(j);
 	api_files_free(&j->files);
+	api_options_free(&j->options);
 	free(j);
 }

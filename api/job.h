@@ -60,7 +60,11 @@ int api_job_precheck(const struct api_job_head *, struct api_problem *p);
 /* Strings of ${head} are copied.  NULL: memory is out. */
 struct api_job *api_job_new(const struct api_job_head *head);
 
-/* Take body bytes.  Returns 0: go on; 1: the verdict is known, further bytes change nothing. */
+/*
+ * Take body bytes.  Returns 0: go on; 1: the verdict is known, further bytes change nothing.  A
+ * compressed body is judged from the outside in: all of it is decoded, up to the limit, before
+ * anything is said of what is in it.
+ */
 int api_job_push(struct api_job *, const uint8_t *bytes, size_t len);
 
 /*

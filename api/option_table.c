@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "api/named.h"
 #include "api/units.h"
 
 enum { MOST_BODIES = 10000, MOST_DEFECTS = 100000, MOST_MATERIALS = 64 };
@@ -32,6 +33,13 @@ static int set_density(struct api_options *o, const struct api_value *v)
 {
 	o->has_density = true;
 	return api_value_positive(v, &o->density);
+}
+
+static int set_density_of(struct api_options *o, const struct api_value *v)
+{
+	double density;
+
+	return api_value_positive(v, &density) ? -1 : api_named_add(&o->named, v, density);
 }
 
 static int set_density_unit(struct api_options *o, const struct api_value *v)
@@ -134,14 +142,6 @@ static int later_word(const struct api_value *v, const char *const *words, size_
 	return which == 0 ? 0 : not_yet(v);
 }
 
-static int set_density_of(struct api_options *o, const struct api_value *v)
-{
-	double x;
-
-	(void)o;
-	return api_value_positive(v, &x) ? -1 : not_yet(v);
-}
-
 static int set_transform(struct api_options *o, const struct api_value *v)
 {
 	double m[16];
@@ -220,7 +220,7 @@ const struct api_option_row api_option_rows[] = {
     {"density_unit", set_density_unit, false},
     {"material", set_material, false},
     {"mass", set_mass, false},
-    {API_OPTION_FAMILY "NAME]", set_density_of, true},
+    {API_OPTION_FAMILY "NAME]", set_density_of, false},
     {"mass_unit", set_mass_unit, false},
     {"about", set_about, false},
     {"axis", set_axis, false},

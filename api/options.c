@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "api/named.h"
 #include "api/option_table.h"
 #include "api/units.h"
 #include "api/utf8.h"
@@ -28,7 +29,7 @@ static int set_row(struct api_options *o, size_t i, const struct api_value *v)
 {
 	const uint64_t bit = UINT64_C(1) << i;
 
-	if ((o->given & bit) != 0 && !is_family(v->name, v->name_len))
+	if (is_family(v->name, v->name_len) ? api_named_has(&o->named, v) : (o->given & bit) != 0)
 		return api_problem_option(v->problem, API_BAD_OPTION, v->name, v->name_len,
 					  "The option is given more than once.");
 	o->given |= bit;
@@ -64,6 +65,11 @@ void api_options_init(struct api_options *o)
 	o->bodies = o->defects = DEFAULT_LISTED;
 }
 
+void api_options_free(struct api_options *o)
+{
+	api_named_free(&o->named);
+}
+
 /* What was given, a density or a material, in ${to}. */
 static struct api_ratio density_in(const struct api_options *o, enum api_density_unit to)
 {
@@ -84,6 +90,8 @@ int api_options_check(const struct api_options *o, struct api_problem *p)
 	const char *name = o->has_material ? "material" : "density";
 	struct api_ratio density;
 
+	if (api_named_check(o, p))
+		return -1;
 	if (o->has_density && o->has_material)
 		return exclusive(p, "density", "material");
 	if (o->has_density && o->has_mass)
@@ -117,6 +125,7 @@ void api_options_request(const struct api_options *o, struct mp_request *out)
 		out->density = density.num;
 		out->density_divisor = density.den;
 	}
+	api_named_request(o, out);
 	out->has_about = o->has_about;
 	out->has_axis = o->has_axis || o->has_axis_origin;
 	memcpy(out->about, o->about, sizeof out->about);
@@ -138,6 +147,14 @@ double api_options_density(const struct api_options *o, double volume)
 		r = api_units_convert(o->mass, API_DENSITY_FILE, o->density_unit, o->unit,
 				      o->mass_unit);
 	return o->has_material ? r.num / r.den : r.num / (volume * r.den);
+}
+
+double api_options_mean_density(const struct api_options *o, double mass, double volume)
+{
+	struct api_ratio r =
+	    api_units_convert(mass, API_DENSITY_FILE, o->density_unit, o->unit, o->mass_unit);
+
+	return r.num / (volume * r.den);
 }
 
 const char *api_option_name(size_t i)

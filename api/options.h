@@ -18,6 +18,19 @@ struct api_sent {
 	bool attachment;       /* a form had a material or a picture, which was passed over */
 };
 
+/* What came as density[NAME]. */
+struct api_name {
+	char *text; /* heap, not terminated */
+	size_t len;
+	double density; /* in density_unit */
+};
+
+struct api_named {
+	struct api_name *list;
+	struct mp_named_density *request; /* of the same room: what api_options_request() made */
+	uint32_t count, room;
+};
+
 /* The words of a request (query parameters, form fields, calc's flags), parsed but in user units.
  */
 struct api_options {
@@ -27,6 +40,7 @@ struct api_options {
 	bool unit_given;
 	bool has_density, has_mass, has_material;
 	double density, mass;
+	struct api_named named;
 	enum api_density_unit density_unit;
 	enum api_mass_unit mass_unit;
 	int material; /* row of the material table */
@@ -38,8 +52,12 @@ struct api_options {
 };
 
 void api_options_init(struct api_options *); /* the defaults */
+void api_options_free(struct api_options *); /* legal on a zeroed struct, and again */
 
-/* One option; ${name} and ${value} are decoded bytes, any content.  0, or -1 with ${p}. */
+/*
+ * One option; ${name} and ${value} are decoded bytes, any content.  0, or -1 with ${p}: the fault
+ * of the option, or too_expensive where memory is out.
+ */
 int api_options_set(struct api_options *, const char *name, size_t name_len, const char *value,
 		    size_t value_len, struct api_problem *p);
 
@@ -54,7 +72,8 @@ int api_options_check(const struct api_options *, struct api_problem *p);
 
 /*
  * To the core's terms: density in mass unit per L^3 as density/density_divisor.  Sets everything
- * but key and limits, which are left alone.
+ * but key and limits, which are left alone.  out->named belongs to ${options} and is good until
+ * they change.
  */
 void api_options_request(const struct api_options *, struct mp_request *out);
 
@@ -70,5 +89,8 @@ bool api_option_supported(size_t i);
  * ${volume} [L^3] > 0.
  */
 double api_options_density(const struct api_options *, double volume);
+
+/* The same where names have densities: the mean of ${mass} [mass_unit] over ${volume} > 0. */
+double api_options_mean_density(const struct api_options *, double mass, double volume);
 
 #endif

@@ -103,6 +103,23 @@ static void add_solid(struct doc *d, cJSON *checks)
 		api_json_bool(&d->j, checks, "solid", d->r->solid == MP_YES);
 }
 
+static void add_by_index(struct doc *d, cJSON *checks)
+{
+	const struct mp_by_index *by = &d->r->by_index;
+	cJSON *o;
+
+	if (!by->given) {
+		api_json_null(&d->j, checks, "by_index");
+		return;
+	}
+	o = api_json_object(&d->j, checks, "by_index");
+	api_json_bool(&d->j, o, "closed", by->closed);
+	api_json_bool(&d->j, o, "watertight", by->watertight);
+	api_json_count(&d->j, o, "boundary_edges", by->boundary_edges);
+	api_json_count(&d->j, o, "non_manifold_edges", by->non_manifold_edges);
+	api_json_count(&d->j, o, "misoriented_edges", by->misoriented_edges);
+}
+
 static void add_checks(struct doc *d, cJSON *root)
 {
 	const struct mp_topology *t = &d->r->topology;
@@ -129,7 +146,7 @@ static void add_checks(struct doc *d, cJSON *root)
 	api_json_null(j, c, "self_intersections");
 	api_json_vector(j, c, "closure_defect", true, d->r->closure_defect, 3);
 	api_json_null(j, c, "closes_at_tolerance");
-	api_json_null(j, c, "by_index");
+	add_by_index(d, c);
 }
 
 static void add_axis(struct doc *d, cJSON *inertia)
@@ -184,6 +201,21 @@ static void add_principal(struct doc *d, cJSON *properties)
 	api_json_string(&d->j, o, "symmetry", api_symmetry_word(p->symmetry));
 }
 
+static void add_density(struct doc *d, cJSON *properties)
+{
+	const struct mp_mass *m = &d->r->total;
+	bool defined = d->r->has_density && d->r->density_defined;
+	double density = 0;
+
+	if (d->o->named.count > 0) {
+		defined = defined && m->mass_defined && m->volume_defined;
+		density = defined ? api_options_mean_density(d->o, m->mass, fabs(m->volume)) : 0;
+	} else if (defined) {
+		density = api_options_density(d->o, fabs(m->volume));
+	}
+	api_json_value(&d->j, properties, "density", defined, density);
+}
+
 static void add_properties(struct doc *d, cJSON *root)
 {
 	const struct mp_report *r = d->r;
@@ -195,8 +227,7 @@ static void add_properties(struct doc *d, cJSON *root)
 	api_json_value(&d->j, p, "surface_area", m->area_defined, m->area);
 	api_json_vector(&d->j, p, "surface_centroid", r->surface_centroid_defined,
 			r->surface_centroid, 3);
-	api_json_value(&d->j, p, "density", r->has_density && r->density_defined,
-		       api_options_density(d->o, fabs(m->volume)));
+	add_density(d, p);
 	api_json_value(&d->j, p, "mass", r->has_density && m->mass_defined, m->mass);
 	api_json_vector(&d->j, p, "centroid", m->centroid_defined, m->centroid, 3);
 	add_inertia(d, p);

@@ -74,6 +74,11 @@ static const struct api_warning rows[WARNINGS] = {
     [MP_WARN_DEFECTS_TRUNCATED] =
 	{"defects_truncated", "There are more defects than are listed. The counts under checks are "
 			      "complete; ask for more with the option defects."},
+    [MP_WARN_NAME_AGAINST] =
+	{"named_against",
+	 "Some of the solids that have densities by name are wound outward and others inward. "
+	 "Each weighs as the solid it means, but their volumes are partly subtracted: turn those "
+	 "that are inside out."},
     [UNIT_ASSUMED] =
 	{"unit_assumed",
 	 "No unit was given and the file does not say one, so its numbers were taken as "

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "core/analysis_state.h"
+#include "core/named.h"
 #include "core/notes.h"
 
 /* Triangle numbers are uint32_t and UINT32_MAX means none. */
@@ -49,6 +50,25 @@ static int take_part(void *self, uint64_t first, const char *name, size_t len, s
 	return mp_parts_add(&a->parts, a->first + first, name, len, err);
 }
 
+static int take_material(void *self, uint64_t first, const char *name, size_t len,
+			 struct mp_error *err)
+{
+	struct mp_analysis *a = self;
+
+	/* where a file has materials, the faces before the first one have none */
+	if (!a->has_material && mp_parts_add(&a->materials, a->first, "", 0, err))
+		return -1;
+	a->has_material = true;
+	return mp_parts_add(&a->materials, a->first + first, name, len, err);
+}
+
+static int take_indices(void *self, const uint32_t (*tri)[3], size_t count, struct mp_error *err)
+{
+	struct mp_analysis *a = self;
+
+	return mp_index_add(&a->index, tri, count, err);
+}
+
 static int begin(struct mp_analysis *a, enum mp_format_wish format, bool asked,
 		 struct mp_error *err)
 {
@@ -67,7 +87,13 @@ struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_
 		return NULL;
 	}
 	a->request = *request;
-	a->sink = (struct mp_sink){.block = take_block, .part = take_part, .self = a};
+	a->request.named = NULL;
+	a->request.named_count = 0;
+	a->sink = (struct mp_sink){.block = take_block,
+				   .part = take_part,
+				   .self = a,
+				   .indices = take_indices,
+				   .material = take_material};
 	mp_moments_begin(&a->moments);
 	a->vertices = mp_vertices_new(request->key, err);
 	if (a->vertices == NULL)
@@ -120,6 +146,7 @@ static int end_file(struct mp_analysis *a, struct mp_error *err)
 	a->decoder->end(a->state);
 	a->state = NULL;
 	mp_notes_add(&a->before, &a->notes);
+	mp_index_next(&a->index, a->triangles);
 	return 0;
 }
 
@@ -130,8 +157,10 @@ int mp_analysis_next(struct mp_analysis *a, struct mp_error *err)
 	a->decoder = NULL;
 	a->head_len = 0;
 	a->first = a->triangles;
-	/* the last named part ends here, whether or not the next file names any */
-	if (a->parts.count > 0 && mp_parts_add(&a->parts, a->first, "", 0, err))
+	a->has_material = false;
+	/* what has a name ends here, whether or not the next file names any */
+	if ((a->parts.count > 0 && mp_parts_end(&a->parts, a->first, err)) ||
+	    (a->materials.count > 0 && mp_parts_end(&a->materials, a->first, err)))
 		return -1;
 	return a->request.format == MP_WISH_AUTO ? 0 : begin(a, a->request.format, true, err);
 }
@@ -142,8 +171,20 @@ int mp_analysis_end(struct mp_analysis *a, struct mp_error *err)
 		return -1;
 	a->notes = a->before;
 	mp_vertices_seal(a->vertices);
+	if (mp_index_find(&a->index, mp_vertices_count(a->vertices), &a->by_index, err))
+		return -1;
 	a->ended = true;
 	return 0;
+}
+
+const char *mp_analysis_name(const struct mp_analysis *a, uint64_t t, size_t *len, uint64_t *end)
+{
+	const struct mp_names names = {&a->materials, &a->parts};
+	const char *name = mp_named_at(&names, t, len, end);
+
+	if (*end > a->triangles)
+		*end = a->triangles;
+	return name;
 }
 
 bool mp_analysis_met_foreign_code(const struct mp_analysis *a)
@@ -160,5 +201,7 @@ void mp_analysis_free(struct mp_analysis *a)
 	mp_vertices_free(a->vertices);
 	free(a->tri);
 	mp_parts_free(&a->parts);
+	mp_parts_free(&a->materials);
+	mp_index_free(&a->index);
 	free(a);
 }

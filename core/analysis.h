@@ -9,6 +9,15 @@
 enum mp_format_wish { MP_WISH_AUTO, MP_WISH_STL, MP_WISH_OBJ, MP_WISH_DRACO };
 enum mp_density_kind { MP_DENSITY_NONE, MP_DENSITY_GIVEN, MP_DENSITY_FROM_MASS };
 
+/* The density of the faces under a name, as density and density_divisor of the request. */
+struct mp_named_density {
+	const char *name; /* as in the file: material (usemtl), else object, group or solid */
+	size_t len;       /* 1 to MP_NAME_MAX */
+	double density, divisor;
+};
+
+enum { MP_MOST_NAMED = 1000 };
+
 struct mp_request {
 	enum mp_format_wish format;
 	uint8_t key[16]; /* secret random bytes, fresh for every request: keys the hash tables */
@@ -22,6 +31,14 @@ struct mp_request {
 	 * kg/m3 of a part in mm: 2700 and 1e9).  0 counts as 1.  FROM_MASS: not used.
 	 */
 	double density_divisor;
+	double density_error; /* GIVEN: relative error of their quotient (change of units) */
+	/*
+	 * Densities of single names, all different; density_kind is then GIVEN, for all other
+	 * faces, or NONE, if there are to be none.  Every name has to have faces that are a closed
+	 * solid by themselves, else MP_BAD_NAME.  The caller's; only mp_analysis_report() reads it.
+	 */
+	const struct mp_named_density *named;
+	uint32_t named_count; /* at most MP_MOST_NAMED */
 	bool has_about, has_axis;
 	double about[3];
 	double axis_origin[3], axis_direction[3]; /* direction: any length > 0 */
@@ -54,6 +71,13 @@ int mp_analysis_end(struct mp_analysis *, struct mp_error *err);
  */
 int mp_analysis_report(struct mp_analysis *, const struct mp_request *request,
 		       struct mp_report *out, struct mp_error *err);
+
+/*
+ * For problems with names: the name by which the density of triangle ${t} is found, ${*len} raw
+ * bytes of the file, or "" where it has none.  ${*end}: the first triangle behind ${t} with another
+ * name, or the number of triangles.  Legal when the last file has ended; valid until the end.
+ */
+const char *mp_analysis_name(const struct mp_analysis *, uint64_t t, size_t *len, uint64_t *end);
 
 /*
  * Whether another project's decoder has read bytes of the uploader's, with or without success: this

@@ -3,6 +3,7 @@
 
 #include "core/analysis.h"
 #include "core/format.h"
+#include "core/index.h"
 #include "core/moments.h"
 #include "core/parts.h"
 
@@ -24,6 +25,10 @@ struct mp_analysis {
 	uint32_t (*tri)[3];
 	size_t triangles, room;
 	struct mp_parts parts;
+	struct mp_parts materials; /* gaps: of files without any */
+	bool has_material;         /* the file in work */
+	struct mp_index index;
+	struct mp_by_index by_index; /* when ended; not yet compared */
 	bool ended; /* mp_analysis_end() returned 0, and no report took the mesh yet */
 };
 

@@ -47,11 +47,6 @@ static void find_box(const struct mp_mesh *mesh, const uint32_t *order, uint32_t
 	}
 }
 
-static bool has_volume(const struct mp_body_topology *body)
-{
-	return body->closed || body->cracks_only;
-}
-
 static void take_box(const struct mp_moments *m, struct mp_box *box)
 {
 	memcpy(box->min, m->min, sizeof box->min);
@@ -67,7 +62,7 @@ static void measure(const struct mp_mesh *mesh, const struct mp_topology *t, str
 
 	mp_moments_begin(&m);
 	mp_solid_add(&m, mesh, order, count);
-	mp_solid_find(&m, mesh, order, count, has_volume(&t->body[i]), solid);
+	mp_solid_find(&m, mesh, order, count, mp_body_has_volume(&t->body[i]), solid);
 	take_box(&m, &b->box[i]);
 }
 
@@ -86,12 +81,12 @@ static void set_winding(struct mp_bodies *b, uint32_t i, const struct mp_solid *
  */
 static bool measure_all(const struct mp_mesh *mesh, const struct mp_topology *t,
 			const struct mp_moments *total, const struct mp_solid *whole,
-			struct mp_bodies *b, struct mp_merge *merge)
+			struct mp_named *named, struct mp_bodies *b, struct mp_merge *merge)
 {
 	bool sum_up = b->count > 0;
 
 	for (uint32_t i = 0; i < b->count; i++) {
-		bool closed = has_volume(&t->body[i]);
+		bool closed = mp_body_has_volume(&t->body[i]);
 		struct mp_solid solid;
 
 		sum_up = sum_up && closed;
@@ -107,6 +102,7 @@ static bool measure_all(const struct mp_mesh *mesh, const struct mp_topology *t,
 		if (closed) {
 			set_winding(b, i, &solid);
 			mp_merge_add(merge, &solid);
+			mp_named_add(named, i, &solid);
 		}
 		if (i < b->listed)
 			b->solid[i] = solid;
@@ -142,10 +138,25 @@ static bool may_nest(const struct mp_bodies *b)
 	return false;
 }
 
-int mp_bodies_measure(const struct mp_mesh *mesh, const struct mp_topology *t, uint32_t most,
-		      const struct mp_moments *total, struct mp_solid *whole, struct mp_bodies *out,
-		      struct mp_error *err)
+/*
+ * An area of 0 is true only if every triangle is degenerate, else its squares underflowed; and if
+ * every triangle is, area and volume are 0, whatever rounding left in the sums.
+ */
+static void settle_zero(const struct mp_topology *t, uint32_t triangles, struct mp_solid *whole)
 {
+	if (t->degenerate_triangles < triangles) {
+		whole->area_in_range = whole->area_in_range && whole->area > 0;
+		return;
+	}
+	memset(whole, 0, sizeof *whole);
+	whole->in_range = whole->area_in_range = true;
+}
+
+int mp_bodies_measure(const struct mp_mesh *mesh, const struct mp_topology *t, uint32_t most,
+		      struct mp_moments *total, struct mp_named *named, struct mp_solid *whole,
+		      struct mp_bodies *out, struct mp_error *err)
+{
+	bool alone = mp_bodies_alone(mesh, t);
 	long double origin[3];
 	struct mp_merge merge;
 
@@ -156,15 +167,25 @@ int mp_bodies_measure(const struct mp_mesh *mesh, const struct mp_topology *t, u
 	if (allocate(mesh, out, err))
 		return -1;
 	group(mesh, t, out);
+	mp_solid_find(total, mesh, NULL, mesh->triangles, mp_has_volume(t) && alone, whole);
 	for (int k = 0; k < 3; k++)
 		origin[k] =
 		    whole->has_surface_centroid ? whole->surface_centroid[k] : total->reference[k];
 	mp_merge_begin(&merge, origin);
-	out->sum_up = measure_all(mesh, t, total, whole, out, &merge);
-	if (out->sum_up && !mp_bodies_alone(mesh, t)) {
+	out->sum_up = measure_all(mesh, t, total, whole, named, out, &merge);
+	if (out->sum_up && !alone) {
 		mp_merge_solve(&merge, whole);
 		whole->in_range = true;
+	} else if (mp_has_volume(t) && !alone) {
+		mp_solid_find(total, mesh, NULL, mesh->triangles, true, whole);
 	}
+	settle_zero(t, mesh->triangles, whole);
+	return 0;
+}
+
+int mp_bodies_nest(const struct mp_mesh *mesh, const struct mp_topology *t, struct mp_bodies *out,
+		   struct mp_error *err)
+{
 	return may_nest(out) ? mp_nesting_find(mesh, t, out->box, out->nest, err) : 0;
 }
 

@@ -2,6 +2,7 @@
 #define MP_BODIES_H
 
 #include "core/mass.h"
+#include "core/named.h"
 #include "core/nesting.h"
 #include "core/parts.h"
 #include "core/report.h"
@@ -23,23 +24,40 @@ struct mp_bodies {
 /* Is the mesh one body and nothing else?  Then the sums of the whole are the body's. */
 bool mp_bodies_alone(const struct mp_mesh *mesh, const struct mp_topology *topology);
 
+/* Does what is enclosed mean something: closed, or open only along cracks of no area? */
+static inline bool mp_body_has_volume(const struct mp_body_topology *t)
+{
+	return t->closed || t->cracks_only;
+}
+
+static inline bool mp_has_volume(const struct mp_topology *t)
+{
+	return t->closed || t->cracks_only;
+}
+
 /*
- * mp_bodies_measure(mesh, topology, most, total, whole, out, err):
- * ${total}: the sums over the whole mesh; ${whole}: what they say, its volume too if the body is
- * alone.  Where every body has a volume of its own, ${whole} becomes the sum of the bodies, each
- * summed about its own reference.  Solids are kept of the first ${most} bodies.  ${out}: free with
- * mp_bodies_free(), after a failure too.
+ * mp_bodies_measure(mesh, topology, most, total, named, whole, out, err):
+ * ${total}: the sums over the whole mesh, summed again where they have to be.  ${whole}: what the
+ * mesh is; where every body has a volume of its own, the sum of the bodies, each summed about its
+ * own reference.  Each body with a volume goes to ${named} too (NULL: to nobody).  Solids are kept
+ * of the first ${most} bodies.  ${out}: all but nest; free with mp_bodies_free(), after a failure
+ * too.
  */
 int mp_bodies_measure(const struct mp_mesh *mesh, const struct mp_topology *topology, uint32_t most,
-		      const struct mp_moments *total, struct mp_solid *whole, struct mp_bodies *out,
-		      struct mp_error *err);
+		      struct mp_moments *total, struct mp_named *named, struct mp_solid *whole,
+		      struct mp_bodies *out, struct mp_error *err);
+
+/* nest: which body lies in which. */
+int mp_bodies_nest(const struct mp_mesh *mesh, const struct mp_topology *topology,
+		   struct mp_bodies *out, struct mp_error *err);
 void mp_bodies_free(struct mp_bodies *); /* legal on a zeroed struct */
 
 /* orientation, solid, overlapping and their warnings; topology and total must be filled. */
 int mp_bodies_judge(const struct mp_bodies *, struct mp_report *report, struct mp_error *err);
 
-/* report->body, bodies_listed and names. */
+/* report->body, bodies_listed and names.  ${density}: of all bodies, unless ${named} has theirs. */
 int mp_bodies_list(const struct mp_bodies *, const struct mp_density *density,
-		   const struct mp_parts *parts, struct mp_report *report, struct mp_error *err);
+		   const struct mp_named *named, const struct mp_parts *parts,
+		   struct mp_report *report, struct mp_error *err);
 
 #endif

@@ -34,11 +34,12 @@ static int copy_names(const struct mp_bodies *b, const struct mp_parts *parts, s
 }
 
 static void fill(const struct mp_bodies *b, uint32_t i, const struct mp_density *density,
-		 struct mp_report *r)
+		 const struct mp_named *named, struct mp_report *r)
 {
 	const struct mp_body_topology *t = &r->topology.body[i];
+	struct mp_density own = named->count > 0 ? mp_named_density_of(named, i) : *density;
 	struct mp_body *body = &r->body[i];
-	bool fits = mp_mass_fill(&body->mass, &b->solid[i], t->closed || t->cracks_only, density);
+	bool fits = mp_mass_fill(&body->mass, &b->solid[i], mp_body_has_volume(t), &own);
 
 	mp_warn(r, MP_WARN_OUT_OF_RANGE, !fits);
 	body->first = t->first;
@@ -52,7 +53,8 @@ static void fill(const struct mp_bodies *b, uint32_t i, const struct mp_density 
 }
 
 int mp_bodies_list(const struct mp_bodies *b, const struct mp_density *density,
-		   const struct mp_parts *parts, struct mp_report *r, struct mp_error *err)
+		   const struct mp_named *named, const struct mp_parts *parts, struct mp_report *r,
+		   struct mp_error *err)
 {
 	if (b->listed == 0)
 		return 0;
@@ -61,6 +63,6 @@ int mp_bodies_list(const struct mp_bodies *b, const struct mp_density *density,
 		return mp_fail_nomem(err);
 	r->bodies_listed = b->listed;
 	for (uint32_t i = 0; i < b->listed; i++)
-		fill(b, i, density, r);
+		fill(b, i, density, named, r);
 	return copy_names(b, parts, r, err);
 }

@@ -32,8 +32,8 @@ struct mp_sink {
 	int (*block)(void *self, const double (*tri)[9], size_t count, struct mp_error *err);
 	/*
 	 * Triangles numbered ${first} and above (0-based, over the whole file) belong to the named
-	 * part (STL solid, OBJ object, group or material); ${name} is raw file bytes, not
-	 * terminated, not necessarily UTF-8, at most MP_NAME_MAX long (cut by the decoder).
+	 * part (STL solid, OBJ object or group); ${name} is raw file bytes, not terminated, not
+	 * necessarily UTF-8, at most MP_NAME_MAX long (cut by the decoder).
 	 * Calls come in order of ${first}; a later call for the same ${first} replaces the former.
 	 * May be NULL.
 	 */
@@ -44,6 +44,9 @@ struct mp_sink {
 	 * of the POSITION value); formats that number no vertices never call it.  May be NULL.
 	 */
 	int (*indices)(void *self, const uint32_t (*tri)[3], size_t count, struct mp_error *err);
+	/* As part(), but of the material (OBJ usemtl), which parts do not end.  May be NULL. */
+	int (*material)(void *self, uint64_t first, const char *name, size_t len,
+			struct mp_error *err);
 };
 
 enum { MP_NAME_MAX = 255 };
@@ -64,8 +67,8 @@ struct mp_notes {
 	uint64_t trailing_bytes;      /* bytes behind the last triangle that were passed over */
 	uint64_t missing_endsolid;    /* ASCII STL: solids that were not ended */
 	uint64_t nonstandard_lines;   /* text passed over that the format does not know */
-	double quantisation_step;     /* [L] between neighbouring coordinates, 0: not quantised */
-	bool foreign_code;            /* another project's decoder read the bytes, maybe in vain */
+	double quantisation_step; /* [L] of the coordinates; 0: none, or (Draco 1.x) not known */
+	bool foreign_code;        /* another project's decoder read the bytes, maybe in vain */
 };
 
 struct mp_decoder_ops {

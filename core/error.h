@@ -17,6 +17,7 @@ enum mp_code {
 	MP_UNSUPPORTED, /* a legal feature that is not read */
 	MP_LIMIT,       /* more than the limits allow: limit and actual are set */
 	MP_NOMEM,       /* an allocation failed */
+	MP_BAD_NAME,    /* named densities do not fit the file: limit and actual are set */
 	MP_BUG          /* our own fault */
 };
 
@@ -24,11 +25,14 @@ enum mp_code {
 
 struct mp_error {
 	enum mp_code code;
-	uint64_t line;   /* 1-based; 0 in binary formats or where no line is to blame */
-	uint64_t byte;   /* offset in the decoded file, MP_NO_BYTE where none is to blame */
-	uint64_t limit;  /* MP_LIMIT: what was allowed */
-	uint64_t actual; /* MP_LIMIT: what came (at least) */
-	char text[160];  /* one clause in English, ASCII, never a copy of user bytes */
+	uint64_t line; /* 1-based; 0 in binary formats or where no line is to blame */
+	uint64_t byte; /* offset in the decoded file, MP_NO_BYTE where none is to blame */
+	/*
+	 * MP_LIMIT: what was allowed, and what came (at least).  MP_BAD_NAME: which of the
+	 * request's names, UINT64_MAX for none of them; and a triangle it is about, or UINT64_MAX.
+	 */
+	uint64_t limit, actual;
+	char text[160]; /* one clause in English, ASCII, never a copy of user bytes */
 };
 
 /*

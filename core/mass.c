@@ -7,6 +7,38 @@
 /* Where cov has the entry of row i, column j. */
 static const int COV[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
+struct mp_ball mp_density_ball(double density, double divisor, double error)
+{
+	struct mp_ball d = mp_ball(density, fabsl((long double)density * error));
+
+	return mp_ball_div(d, mp_ball_exact(divisor != 0 ? divisor : 1));
+}
+
+struct mp_ball mp_mass_ball(const struct mp_solid *solid, const struct mp_density *density)
+{
+	struct mp_ball volume = mp_ball_abs(mp_ball(solid->volume, solid->volume_bound));
+
+	if (density->weighed)
+		return mp_ball_exact(density->mass);
+	return mp_ball_mul(mp_ball(density->value, density->bound), volume);
+}
+
+void mp_mass_weigh(struct mp_solid *solid, struct mp_ball density)
+{
+	struct mp_ball mass =
+	    mp_ball_mul(density, mp_ball_abs(mp_ball(solid->volume, solid->volume_bound)));
+	struct mp_ball most = mp_ball_exact(mp_ball_most(density));
+
+	solid->volume = mass.mid;
+	solid->volume_bound = mass.rad;
+	for (int k = 0; k < 3; k++)
+		solid->first_bound[k] =
+		    mp_ball_most(mp_ball_mul(most, mp_ball_exact(solid->first_bound[k])));
+	for (int k = 0; k < 6; k++)
+		solid->second_bound[k] =
+		    mp_ball_most(mp_ball_mul(most, mp_ball_exact(solid->second_bound[k])));
+}
+
 bool mp_in_range(long double x, double *out)
 {
 	*out = 0;

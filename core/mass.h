@@ -9,10 +9,25 @@
  * Functions return false, with the output all 0, where a double cannot hold the result.
  */
 struct mp_density {
-	bool asked;        /* else value is 1 and masses are volumes */
-	bool defined;      /* false: a weighed mass over a volume that is 0 or undefined */
-	long double value; /* [M/L^3] */
+	bool asked;         /* else value is 1 and masses are volumes */
+	bool defined;       /* false: a weighed mass over a volume that is 0 or undefined */
+	bool weighed;       /* the mass of the whole was given, exactly ${mass} */
+	double mass;        /* [M] */
+	long double value;  /* [M/L^3] */
+	long double bound;  /* value is at most this far from what was asked; not if weighed */
 };
+
+/*
+ * density/divisor, with the error that the division adds to a relative ${error} of the two.
+ * ${divisor} 0 counts as 1.
+ */
+struct mp_ball mp_density_ball(double density, double divisor, double error);
+
+/* The mass of the whole, which is ${solid}, with its error. */
+struct mp_ball mp_mass_ball(const struct mp_solid *solid, const struct mp_density *density);
+
+/* Put the mass in the place of the volume, which becomes positive. */
+void mp_mass_weigh(struct mp_solid *solid, struct mp_ball density);
 
 /* x as a double: false if too large, or not 0 and below the normal range. */
 bool mp_in_range(long double x, double *out);

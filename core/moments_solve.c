@@ -4,7 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Rounding of a sum over its magnitude, see mp_moments_solve() in the header: 64 * 2^-53. */
+#include "core/bounds.h"
+
+/* What a vector area may be off by over the area: 64 * 2^-53. */
 #define ROUNDING 0x1p-47L
 
 /* Below these, underflow may have eaten digits: of sums of products, of a sum of square roots. */
@@ -33,17 +35,40 @@ static long double scale_product(const struct mp_moments *m)
 	return (long double)m->scale[0] * m->scale[1] * m->scale[2];
 }
 
-static void solve_surface(const struct mp_moments *m, struct mp_solid *out)
+static bool finite_errors(const struct mp_sum_errors *e)
+{
+	for (int k = 0; k < 3; k++)
+		if (!isfinite(e->a1[k]) || !isfinite(e->a2[k]) || !isfinite(e->a2[k + 3]))
+			return false;
+	return isfinite(e->a0);
+}
+
+static struct mp_ball ball(const struct mp_sum *sum, long double error)
+{
+	return mp_ball_add(mp_ball(sum->hi, error), mp_ball_exact(sum->lo));
+}
+
+/* Divided by a power of two or a small integer. */
+static struct mp_ball divided(struct mp_ball a, long double by)
+{
+	return mp_ball_div(a, mp_ball_exact(by));
+}
+
+static void solve_surface(const struct mp_moments *m, const struct mp_sum_errors *e,
+			  struct mp_solid *out)
 {
 	long double widest = fmaxl(fmaxl(m->scale[0], m->scale[1]), m->scale[2]);
 	long double area2 = value(&m->area2), product = scale_product(m);
+	struct mp_ball area = divided(divided(ball(&m->area2, e->area2), 2 / widest), product);
 
 	out->area_in_range = finite_sums(&m->area2, 1) && finite_sums(m->area_s, 3) &&
 			     finite_sums(m->vector_area, 3) &&
+			     finite_sums(&m->area_doubt, 1) &&
 			     (area2 == 0 || area2 >= SMALL_LENGTHS);
 	if (!out->area_in_range)
 		return;
-	out->area = area2 / 2 * widest / product;
+	out->area = area.mid;
+	out->area_bound = area.rad;
 	out->has_surface_centroid = area2 > 0;
 	for (int k = 0; k < 3; k++) {
 		long double n = value(&m->vector_area[k]) / 2 * m->scale[k] / product;
@@ -74,95 +99,89 @@ static bool far_reference(const struct mp_moments *m, const struct mp_solid *out
 	return false;
 }
 
-static void solve_second(const struct mp_moments *m, long double a0, struct mp_solid *out)
+static void solve_second(const struct mp_moments *m, const struct mp_sum_errors *e,
+			 struct mp_ball a0, struct mp_solid *out)
 {
-	long double g[3];
+	struct mp_ball g[3];
 
 	for (int k = 0; k < 3; k++) {
-		g[k] = value(&m->a1[k]) / a0 / 4;
-		out->centroid[k] = (long double)m->reference[k] + g[k] / m->scale[k];
+		struct mp_ball c;
+
+		g[k] = divided(mp_ball_div(ball(&m->a1[k], e->a1[k]), a0), 4);
+		c = mp_ball_add(mp_ball_exact(m->reference[k]), divided(g[k], m->scale[k]));
+		out->centroid[k] = c.mid;
+		out->centroid_bound[k] = c.rad;
 	}
 	for (int k = 0; k < 6; k++) {
 		int i = AXES[k][0], j = AXES[k][1];
-		long double a2 = value(&m->a2[k]);
+		struct mp_ball a2 = ball(&m->a2[k], e->a2[k]), c;
 
-		out->cov[k] = (a2 / a0 / 20 - g[i] * g[j]) / m->scale[i] / m->scale[j];
-		if (i == j && fabsl(a2) < SMALL_MOMENT)
+		c = mp_ball_sub(divided(mp_ball_div(a2, a0), 20), mp_ball_mul(g[i], g[j]));
+		c = divided(divided(c, m->scale[i]), m->scale[j]);
+		out->cov[k] = c.mid;
+		out->cov_bound[k] = c.rad;
+		if (i == j && fabsl(a2.mid) < SMALL_MOMENT)
 			out->in_range = false;
 	}
 }
 
-static void solve_volume(const struct mp_moments *m, struct mp_solid *out)
+/* No volume that is proven, but maybe one, and moments: how large may they be? */
+static void solve_zero(const struct mp_moments *m, const struct mp_sum_errors *e,
+		       struct mp_ball volume, struct mp_solid *out)
 {
-	long double a0 = value(&m->a0), magnitude = value(&m->magnitude);
-	long double product = scale_product(m);
+	struct mp_ball product = mp_ball_exact(scale_product(m)), b;
+
+	out->volume_bound = mp_ball_most(volume);
+	for (int k = 0; k < 3; k++) {
+		b = mp_ball_div(ball(&m->a1[k], e->a1[k]), product);
+		out->first_bound[k] = mp_ball_most(divided(divided(b, m->scale[k]), 24));
+		out->reference[k] = m->reference[k];
+	}
+	for (int k = 0; k < 6; k++) {
+		b = mp_ball_div(ball(&m->a2[k], e->a2[k]), product);
+		b = divided(divided(b, m->scale[AXES[k][0]]), m->scale[AXES[k][1]]);
+		out->second_bound[k] = mp_ball_most(divided(b, 120));
+	}
+}
+
+static void solve_volume(const struct mp_moments *m, const struct mp_sum_errors *e,
+			 struct mp_solid *out)
+{
+	struct mp_ball a0 = ball(&m->a0, e->a0), volume;
 
 	if (m->triangles == 0 || is_flat(m)) {
 		out->in_range = true;
 		return;
 	}
-	out->in_range = finite_sums(&m->a0, 1) && finite_sums(&m->magnitude, 1) &&
-			finite_sums(m->a1, 3) && finite_sums(m->a2, 6) && magnitude >= SMALL_SUM;
+	out->in_range = finite_sums(&m->a0, 1) && finite_sums(&m->doubt, 1) &&
+			finite_sums(m->a1, 3) && finite_sums(m->a2, 6) &&
+			finite_sums(m->doubt2, 3) && value(&m->doubt) >= SMALL_SUM &&
+			finite_errors(e);
 	out->again = true;
 	if (!out->in_range)
 		return;
-	out->volume_bound = ROUNDING * magnitude / 6 / product;
-	if (fabsl(a0) <= ROUNDING * magnitude)
+	volume = mp_ball_div(divided(a0, 6), mp_ball_exact(scale_product(m)));
+	if (!mp_ball_not_zero(a0)) {
+		solve_zero(m, e, volume, out);
 		return;
-	out->volume = a0 / 6 / product;
+	}
+	out->volume = volume.mid;
+	out->volume_bound = volume.rad;
 	out->has_centroid = true;
-	solve_second(m, a0, out);
-	out->again =
-	    !out->in_range || ROUNDING * magnitude > 0x1p-10L * fabsl(a0) || far_reference(m, out);
+	solve_second(m, e, a0, out);
+	out->again = !out->in_range || a0.rad > 0x1p-10L * fabsl(a0.mid) || far_reference(m, out);
 }
 
 void mp_moments_solve(const struct mp_moments *m, struct mp_solid *out)
 {
+	struct mp_sum_errors errors;
+
 	memset(out, 0, sizeof *out);
-	solve_volume(m, out);
-	solve_surface(m, out);
+	mp_bounds_of_sums(m, &errors);
+	solve_volume(m, &errors, out);
+	solve_surface(m, &errors, out);
 	/* an area of exactly 0 may be one whose squares all underflowed */
 	out->area_again = !out->area_in_range || (m->triangles > 0 && out->area == 0);
 	out->again = out->again || out->area_again;
 }
 
-void mp_merge_begin(struct mp_merge *merge, const long double origin[3])
-{
-	memset(merge, 0, sizeof *merge);
-	for (int k = 0; k < 3; k++)
-		merge->origin[k] = origin[k];
-}
-
-void mp_merge_add(struct mp_merge *merge, const struct mp_solid *part)
-{
-	long double r[3];
-
-	merge->volume += part->volume;
-	merge->volume_bound += part->volume_bound;
-	merge->magnitude += fabsl(part->volume);
-	for (int k = 0; k < 3; k++) {
-		r[k] = part->centroid[k] - merge->origin[k];
-		merge->first[k] += part->volume * r[k];
-	}
-	for (int k = 0; k < 6; k++)
-		merge->second[k] += part->volume * (part->cov[k] + r[AXES[k][0]] * r[AXES[k][1]]);
-}
-
-void mp_merge_solve(const struct mp_merge *merge, struct mp_solid *io)
-{
-	long double g[3];
-
-	io->volume_bound = merge->volume_bound + 0x1p-53L * merge->magnitude;
-	io->has_centroid = fabsl(merge->volume) > io->volume_bound;
-	io->volume = io->has_centroid ? merge->volume : 0;
-	memset(io->centroid, 0, sizeof io->centroid);
-	memset(io->cov, 0, sizeof io->cov);
-	if (!io->has_centroid)
-		return;
-	for (int k = 0; k < 3; k++) {
-		g[k] = merge->first[k] / merge->volume;
-		io->centroid[k] = merge->origin[k] + g[k];
-	}
-	for (int k = 0; k < 6; k++)
-		io->cov[k] = merge->second[k] / merge->volume - g[AXES[k][0]] * g[AXES[k][1]];
-}

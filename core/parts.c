@@ -1,6 +1,5 @@
 #include "core/parts.h"
 
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,12 +19,22 @@ static void *grow(void *old, size_t item, size_t need, size_t *room)
 	return new;
 }
 
-int mp_parts_add(struct mp_parts *p, uint64_t first, const char *name, size_t len,
-		 struct mp_error *err)
+static bool is_like(const struct mp_parts *p, const struct mp_part *part, const char *name,
+		    size_t len, bool gap)
 {
-	bool again = p->count > 0 && p->part[p->count - 1].first == first;
-	size_t at = again ? p->part[p->count - 1].name : p->used;
+	return part->gap == gap && part->len == len &&
+	       (len == 0 || memcmp(p->pool + part->name, name, len) == 0);
+}
 
+static int add(struct mp_parts *p, uint64_t first, const char *name, size_t len, bool gap,
+	       struct mp_error *err)
+{
+	const struct mp_part *last = p->count > 0 ? &p->part[p->count - 1] : NULL;
+	bool again = last != NULL && last->first == first;
+	size_t at = again ? last->name : p->used;
+
+	if (last != NULL && !again && is_like(p, last, name, len, gap))
+		return 0;
 	if (len > SIZE_MAX - at)
 		return mp_fail_nomem(err);
 	if (at + len > p->pool_room) {
@@ -46,30 +55,48 @@ int mp_parts_add(struct mp_parts *p, uint64_t first, const char *name, size_t le
 		p->count++;
 	if (len > 0)
 		memcpy(p->pool + at, name, len);
-	p->part[p->count - 1] = (struct mp_part){first, at, len};
+	p->part[p->count - 1] = (struct mp_part){first, at, len, gap};
 	p->used = at + len;
 	return 0;
 }
 
-const char *mp_parts_name(const struct mp_parts *p, uint64_t first, uint64_t last, size_t *len)
+int mp_parts_add(struct mp_parts *p, uint64_t first, const char *name, size_t len,
+		 struct mp_error *err)
 {
-	size_t low = 0, high = p->count; /* part[low - 1].first <= first < part[high].first */
+	return add(p, first, name, len, false, err);
+}
+
+int mp_parts_end(struct mp_parts *p, uint64_t first, struct mp_error *err)
+{
+	return add(p, first, "", 0, true, err);
+}
+
+const struct mp_part *mp_parts_at(const struct mp_parts *p, uint64_t t, uint64_t *end)
+{
+	size_t low = 0, high = p->count; /* part[low - 1].first <= t < part[high].first */
 
 	while (low < high) {
 		size_t middle = low + (high - low) / 2;
 
-		if (p->part[middle].first <= first)
+		if (p->part[middle].first <= t)
 			low = middle + 1;
 		else
 			high = middle;
 	}
+	*end = low < p->count ? p->part[low].first : UINT64_MAX;
+	return low == 0 || p->part[low - 1].gap ? NULL : &p->part[low - 1];
+}
+
+const char *mp_parts_name(const struct mp_parts *p, uint64_t first, uint64_t last, size_t *len)
+{
+	uint64_t end;
+	const struct mp_part *part = mp_parts_at(p, first, &end);
+
 	*len = 0;
-	if (low == 0 || p->part[low - 1].len == 0)
+	if (part == NULL || part->len == 0 || end <= last)
 		return NULL;
-	if (low < p->count && p->part[low].first <= last)
-		return NULL;
-	*len = p->part[low - 1].len;
-	return p->pool + p->part[low - 1].name;
+	*len = part->len;
+	return p->pool + part->name;
 }
 
 void mp_parts_free(struct mp_parts *p)

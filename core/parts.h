@@ -1,6 +1,7 @@
 #ifndef MP_PARTS_H
 #define MP_PARTS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -11,6 +12,7 @@ struct mp_part {
 	uint64_t first; /* its first triangle; it ends where the next one begins */
 	size_t name;    /* offset in the pool */
 	size_t len;
+	bool gap; /* no part at all, rather than one without a name */
 };
 
 struct mp_parts { /* all 0 is empty */
@@ -20,9 +22,21 @@ struct mp_parts { /* all 0 is empty */
 	size_t used, pool_room;
 };
 
-/* As mp_sink.part: triangles from ${first} on; the same ${first} again replaces the former. */
+/*
+ * As mp_sink.part: triangles from ${first} on; the same ${first} again replaces the former.  The
+ * name of the part before goes on with it.
+ */
 int mp_parts_add(struct mp_parts *, uint64_t first, const char *name, size_t len,
 		 struct mp_error *err);
+
+/* From ${first} on there is no part. */
+int mp_parts_end(struct mp_parts *, uint64_t first, struct mp_error *err);
+
+/*
+ * The part of triangle ${t}, NULL where there is none.  ${*end}: the first triangle behind ${t}
+ * of which that may not be true, UINT64_MAX for none.
+ */
+const struct mp_part *mp_parts_at(const struct mp_parts *, uint64_t t, uint64_t *end);
 
 /*
  * The name of the part in which the triangles ${first} to ${last} lie, ${*len} bytes, or NULL

@@ -27,13 +27,12 @@ struct mp_polygon {
  * finite, into n - 2 triangles and set p->tri, p->nonplanar, p->tangled.
  *
  * It is looked at along the axis next to its Newell normal, where every turn is decided exactly.
- * Where the fan from corner 0 has no flat and no reversed triangle, it is the answer; else ears
- * are clipped (Meisters 1975, doi:10.1080/00029890.1975.11993898), flat ones last.  Concave
- * polygons, holes on bridges that are used twice, repeated and collinear corners are fine: all
- * triangles are wound as the whole, so the area of a flat polygon is right.  Where that cannot be
- * (p->tangled) the rest is a fan; the signed volume does not depend on it.  About O(n log n) time,
- * never more than a constant times n log n; up to 90 bytes a corner.  Nothing happens to p->tri
- * that a fan in another order could not: a polygon without area gives a fan.
+ * Where the fan from corner 0 has no flat and no reversed triangle, it is the answer; else a sweep
+ * finds one.  Concave polygons, holes on bridges that are used twice, boundaries that touch
+ * themselves, spikes, repeated and collinear corners are fine: no triangle is reversed, so the area
+ * of a flat polygon is right.  Where the boundary crosses itself, ears are clipped as far as they
+ * go and p->tangled says whether the area is off; the volume does not depend on it.  A polygon
+ * without area gives a fan.  O(n log n) time, about 100 bytes a corner.
  *
  * Return 0, or -1 where memory is out.
  */

@@ -1,8 +1,12 @@
 #include "core/principal.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
+
+#include "core/ball.h"
+#include "core/principal_error.h"
 
 /* Jacobi converges quadratically; six sweeps do for any 3x3, the rest is for peace of mind. */
 enum { SWEEPS = 40 };
@@ -183,9 +187,18 @@ static int classify(struct mp_principal *out, const double moments[3], double to
 	return low == high ? -1 : low ? 2 : 0;
 }
 
+/* As much as scaling may have eaten of entries that are tiny beside the others, and of moments. */
+#define SCALED_AWAY 0x1p-1000L
+
+static double unscaled(long double x, int exponent)
+{
+	return mp_round_up(ldexpl(x + SCALED_AWAY, -exponent) + 2 * DBL_TRUE_MIN);
+}
+
 void mp_principal_find(const double inertia[3][3], double tolerance, struct mp_principal *out)
 {
-	double a[3][3], moments[3], largest = 0;
+	double a[3][3], scaled[3][3], moments[3], largest = 0;
+	const double(*fixed)[3] = (const double(*)[3])scaled;
 	int exponent = 0, distinct;
 
 	memset(out, 0, sizeof *out);
@@ -194,7 +207,8 @@ void mp_principal_find(const double inertia[3][3], double tolerance, struct mp_p
 	if (largest > 0)
 		exponent = -ilogb(largest) - 2; /* entries below 1/2: nothing overflows */
 	for (int i = 0; i < 9; i++)
-		a[i / 3][i % 3] = ldexp(inertia[i / 3][i % 3], exponent);
+		a[i / 3][i % 3] = scaled[i / 3][i % 3] =
+		    ldexp(inertia[i / 3][i % 3], exponent);
 	world_axes(out);
 	jacobi(a, out->axes);
 	for (int k = 0; k < 3; k++)
@@ -202,11 +216,16 @@ void mp_principal_find(const double inertia[3][3], double tolerance, struct mp_p
 	swap_rows(moments, out->axes, 0, 1);
 	swap_rows(moments, out->axes, 1, 2);
 	swap_rows(moments, out->axes, 0, 1);
+	out->error = unscaled(
+	    mp_principal_error(fixed, (const double(*)[3])out->axes, moments), exponent);
 	distinct = classify(out, moments, ldexp(tolerance, exponent));
 	if (out->symmetry == MP_SYMMETRY_SPHERICAL)
 		world_axes(out);
 	set_axes(out, distinct);
 	set_quaternion(out);
-	for (int k = 0; k < 3; k++)
+	for (int k = 0; k < 3; k++) {
 		out->moments[k] = ldexp(moments[k], -exponent) + 0.0;
+		out->residual[k] = unscaled(
+		    mp_principal_residual(fixed, out->axes[k], moments[k]), exponent);
+	}
 }

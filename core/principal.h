@@ -8,6 +8,8 @@ struct mp_principal {
 	double axes[3][3];    /* unit rows, right-handed */
 	double quaternion[4]; /* w x y z, w >= 0: rotates world axes onto the principal ones */
 	enum mp_symmetry symmetry;
+	double error;       /* the eigenvalues are within this of ${moments}; may be infinite */
+	double residual[3]; /* norm of inertia*axis - moment*axis at most; may be infinite */
 };
 
 /*
@@ -17,6 +19,7 @@ struct mp_principal {
  * between moments is at most ${tolerance} (same unit), the class is axial or spherical and the free
  * axes are chosen by projecting world X, then Y.  Quaternion: Shepperd 1978.
  * Any finite input; scaled inside, so nothing overflows.
+ * The errors are found afterwards from what came out (Weyl): they do not rest on how it came about.
  */
 void mp_principal_find(const double inertia[3][3], double tolerance, struct mp_principal *out);
 

@@ -7,16 +7,12 @@
 
 #include "core/analysis_state.h"
 #include "core/bodies.h"
+#include "core/bounds.h"
 #include "core/mass.h"
-#include "core/solid.h"
+#include "core/named.h"
 
-/* Moments that agree to this part of the largest are one: a few roundings of sums and tensor. */
+/* Moments that agree to this part of the largest are one, even where they are told apart. */
 #define SAME_MOMENT 1e-14
-
-static bool has_volume(const struct mp_topology *t)
-{
-	return t->closed || t->cracks_only;
-}
 
 /* The mesh changes owner: from here on the report has it, whatever happens. */
 static void take_mesh(struct mp_analysis *a, const struct mp_request *request, struct mp_report *r)
@@ -46,15 +42,19 @@ static struct mp_density find_density(const struct mp_request *request,
 				      struct mp_report *r)
 {
 	struct mp_density d = {.asked = request->density_kind != MP_DENSITY_NONE, .value = 1};
-	bool divided = request->density_divisor != 0;
+	struct mp_ball given;
 
 	if (request->density_kind == MP_DENSITY_GIVEN) {
 		d.defined = true;
-		d.value = request->density;
-		d.value /= divided ? request->density_divisor : 1;
+		given = mp_density_ball(request->density, request->density_divisor,
+					request->density_error);
+		d.value = given.mid;
+		d.bound = given.rad;
 	} else if (request->density_kind == MP_DENSITY_FROM_MASS) {
 		d.defined = closed && whole->in_range && whole->volume != 0;
 		d.value = d.defined ? request->density / fabsl(whole->volume) : 0;
+		d.weighed = true;
+		d.mass = request->density;
 	}
 	r->has_density = d.asked;
 	r->density_defined = d.defined && mp_in_range(d.value, &r->density);
@@ -76,17 +76,16 @@ static void set_surface(const struct mp_solid *whole, struct mp_report *r)
 		r->surface_centroid[k] = (double)whole->surface_centroid[k];
 }
 
-static void set_principal(const struct mp_solid *whole, long double mass, struct mp_report *r)
+/* Moments that the bound cannot tell apart are one. */
+static void set_principal(const struct mp_solid *whole, struct mp_ball mass, struct mp_report *r)
 {
 	const double(*inertia)[3] = (const double(*)[3])r->total.inertia;
-	double norm = 0, tolerance = SAME_MOMENT;
+	double norm = 0, tolerance = 2 * mp_bounds_of_tensor(whole, mass, inertia);
 
-	/* the rigorous bound of a healthy solid is about 16 times what happens */
-	if (whole->volume_bound > 16 * SAME_MOMENT * fabsl(whole->volume))
-		tolerance = (double)(whole->volume_bound / fabsl(whole->volume)) / 16;
 	for (int i = 0; i < 3; i++)
 		norm = fmax(norm, fabs(inertia[i][i]));
-	mp_principal_find(inertia, tolerance * norm, &r->principal);
+	tolerance = fmin(fmax(tolerance, SAME_MOMENT * norm), DBL_MAX);
+	mp_principal_find(inertia, tolerance, &r->principal);
 	if (!isfinite(r->principal.moments[2])) {
 		memset(&r->principal, 0, sizeof r->principal);
 		memset(r->total.inertia, 0, sizeof r->total.inertia);
@@ -96,9 +95,9 @@ static void set_principal(const struct mp_solid *whole, long double mass, struct
 	}
 	r->radii_defined = true;
 	for (int k = 0; k < 3; k++) {
-		long double square = r->principal.moments[k] / mass;
+		long double square = r->principal.moments[k] / mass.mid;
 
-		if (square < 0 && square * mass >= -tolerance * norm)
+		if (square < 0 && r->principal.moments[k] >= -tolerance)
 			square = 0; /* a needle's smallest moment is lost in the rounding */
 		r->radii_defined = r->radii_defined && square >= 0 &&
 				   mp_in_range(sqrtl(square), &r->radii_of_gyration[k]);
@@ -130,14 +129,14 @@ static void set_inertia(const struct mp_request *request, const struct mp_solid 
 	}
 	mp_warn(r, MP_WARN_OUT_OF_RANGE, !fits);
 	if (r->total.inertia_defined)
-		set_principal(whole, mass, r);
+		set_principal(whole, mp_mass_ball(whole, density), r);
 }
 
 static void warn(struct mp_report *r)
 {
 	const struct mp_topology *t = &r->topology;
 	const struct mp_notes *n = &r->notes;
-	bool undefined = !has_volume(t);
+	bool undefined = !mp_has_volume(t);
 
 	mp_warn(r, MP_WARN_OPEN, undefined && t->boundary_edges > 0);
 	mp_warn(r, MP_WARN_WINDING,
@@ -157,54 +156,90 @@ static void warn(struct mp_report *r)
 }
 
 /*
- * An area of 0 is true only if every triangle is degenerate, else its squares underflowed; and if
- * every triangle is, area and volume are 0, whatever rounding left in the sums.
+ * Where names have densities: ${heavy} is the whole by its mass, ${*d} what makes masses of its
+ * volumes, and the density to report is the mean one.
  */
-static void settle_zero(const struct mp_topology *t, uint32_t triangles, struct mp_solid *whole)
+static void weigh(const struct mp_named *named, const struct mp_solid *whole, bool closed,
+		  struct mp_solid *heavy, struct mp_density *d, struct mp_report *r)
 {
-	if (t->degenerate_triangles < triangles) {
-		whole->area_in_range = whole->area_in_range && whole->area > 0;
-		return;
+	bool against = mp_named_weigh(named, whole, heavy);
+	bool mean = closed && heavy->in_range && whole->volume != 0;
+
+	*d = (struct mp_density){.asked = true, .defined = closed, .value = 1};
+	r->has_density = true;
+	r->density_defined = mean && mp_in_range(fabsl(heavy->volume / whole->volume), &r->density);
+	mp_warn(r, MP_WARN_OUT_OF_RANGE, mean && !r->density_defined);
+	mp_warn(r, MP_WARN_NAME_AGAINST, closed && against);
+}
+
+/* Volume and area of ${whole}, everything else of ${heavy}, which may be the same. */
+static void set_total(const struct mp_solid *whole, const struct mp_solid *heavy, bool closed,
+		      const struct mp_density *density, struct mp_report *r)
+{
+	static const struct mp_density weightless = {.asked = true};
+	struct mp_mass *m = &r->total, plain;
+	bool fits = mp_mass_fill(m, heavy, closed, density);
+
+	if (heavy != whole) {
+		fits = mp_mass_fill(&plain, whole, closed, &weightless) && fits;
+		m->volume = plain.volume;
+		m->volume_defined = plain.volume_defined;
 	}
-	memset(whole, 0, sizeof *whole);
-	whole->in_range = whole->area_in_range = true;
+	mp_warn(r, MP_WARN_OUT_OF_RANGE, !fits);
+}
+
+static void set_masses(const struct mp_request *request, const struct mp_named *named,
+		       const struct mp_solid *whole, struct mp_density *density,
+		       struct mp_report *r)
+{
+	const struct mp_solid *heavy = whole;
+	bool closed = mp_has_volume(&r->topology);
+	struct mp_solid weighted;
+
+	if (named->count > 0) {
+		weigh(named, whole, closed, &weighted, density, r);
+		heavy = &weighted;
+	} else {
+		*density = find_density(request, whole, closed, r);
+	}
+	set_total(whole, heavy, closed, density, r);
+	set_surface(whole, r);
+	set_inertia(request, heavy, density, r);
+	mp_bounds_find(whole, heavy, mp_mass_ball(heavy, density), r);
 }
 
 static int fill(struct mp_analysis *a, const struct mp_request *request, struct mp_report *r,
-		struct mp_bodies *bodies, struct mp_error *err)
+		struct mp_named *named, struct mp_bodies *bodies, struct mp_error *err)
 {
 	const struct mp_mesh mesh = {r->vertices, (const uint32_t(*)[3])r->tri, r->triangles};
+	const struct mp_names names = {&a->materials, &a->parts};
 	struct mp_density density;
 	struct mp_solid whole;
-	bool closed;
 
 	memcpy(r->box.min, a->moments.min, sizeof r->box.min);
 	memcpy(r->box.max, a->moments.max, sizeof r->box.max);
-	if (mp_topology_find(&mesh, request->defects, &r->topology, err))
+	if (mp_named_sort(named, request, &names, mesh.triangles, err) ||
+	    mp_topology_find(&mesh, request->defects, &r->topology, err) ||
+	    mp_named_bodies(named, &mesh, &r->topology, err) ||
+	    mp_bodies_measure(&mesh, &r->topology, request->bodies, &a->moments, named, &whole,
+			      bodies, err) ||
+	    mp_named_solve(named, &mesh, a->request.key, err) ||
+	    mp_bodies_nest(&mesh, &r->topology, bodies, err))
 		return -1;
-	closed = has_volume(&r->topology);
-	mp_solid_find(&a->moments, &mesh, NULL, mesh.triangles,
-		      closed && mp_bodies_alone(&mesh, &r->topology), &whole);
-	if (mp_bodies_measure(&mesh, &r->topology, request->bodies, &a->moments, &whole, bodies,
-			      err))
-		return -1;
-	if (closed && !mp_bodies_alone(&mesh, &r->topology) && !bodies->sum_up)
-		mp_solid_find(&a->moments, &mesh, NULL, mesh.triangles, true, &whole);
-	settle_zero(&r->topology, r->triangles, &whole);
-	density = find_density(request, &whole, closed, r);
-	mp_warn(r, MP_WARN_OUT_OF_RANGE, !mp_mass_fill(&r->total, &whole, closed, &density));
-	set_surface(&whole, r);
-	set_inertia(request, &whole, &density, r);
+	r->by_index = a->by_index;
+	mp_index_compare(&r->by_index, &r->topology);
+	set_masses(request, named, &whole, &density, r);
 	warn(r);
 	if (mp_bodies_judge(bodies, r, err))
 		return -1;
-	return mp_bodies_list(bodies, &density, &a->parts, r, err);
+	return mp_bodies_list(bodies, &density, named, &a->parts, r, err);
 }
 
 int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,
 		       struct mp_report *out, struct mp_error *err)
 {
 	struct mp_bodies bodies = {0};
+	struct mp_named named = {0};
 	int ret;
 
 	if (!a->ended) {
@@ -212,8 +247,9 @@ int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,
 		return mp_fail(err, MP_BUG, MP_NO_BYTE, "a report without an ended file");
 	}
 	take_mesh(a, request, out);
-	ret = fill(a, request, out, &bodies, err);
+	ret = fill(a, request, out, &named, &bodies, err);
 	mp_bodies_free(&bodies);
+	mp_named_free(&named);
 	if (ret)
 		mp_report_free(out);
 	return ret;

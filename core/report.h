@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "core/decoder.h"
+#include "core/index.h"
 #include "core/nesting.h"
 #include "core/principal.h"
 #include "core/topology.h"
@@ -42,6 +43,7 @@ enum mp_warning {
 	MP_WARN_SEVERAL_SOLIDS,      /* the file holds several solids; they are one mesh here */
 	MP_WARN_NESTING_UNDECIDED,   /* depth of some body is not decided */
 	MP_WARN_DEFECTS_TRUNCATED,   /* more defects than were listed */
+	MP_WARN_NAME_AGAINST,        /* named densities: solids wound against each other */
 	MP_WARNINGS
 };
 
@@ -54,7 +56,7 @@ struct mp_mass {
 	double volume;         /* signed [L^3] */
 	double area;           /* [L^2] */
 	double mass;           /* [M], or [L^3] without a density; >= 0 */
-	double centroid[3];    /* [L] */
+	double centroid[3];    /* [L]; of the mass where names have densities */
 	double inertia[3][3];  /* about the centroid [M L^2], or [L^5] without a density */
 	bool volume_defined;   /* closed, or open only along zero-area cracks */
 	bool area_defined;     /* always, but for the range of a double */
@@ -81,12 +83,37 @@ struct mp_axis_moment {
 	bool radius_defined; /* false where the moment is negative: bodies of mixed winding */
 };
 
+/* How the sums were formed. */
+enum mp_precision {
+	MP_PRECISION_CERTIFIED, /* in doubles, with a running error bound */
+	MP_PRECISION_EXACT      /* in integers or fractions; every result is rounded once */
+};
+
+/*
+ * Each result is at most this far from the exact value of the mesh as stored: rigorous bounds, not
+ * estimates, in the unit of the result; of several numbers the largest.  0 where the result is not
+ * defined; may be infinite where next to nothing is known.
+ */
+struct mp_bounds {
+	double volume, area, mass;
+	double centroid;       /* of each coordinate */
+	double inertia;        /* of each element of the tensor about the centroid */
+	double inertia_origin; /* the same about the origin */
+	double moments, radii;
+	/*
+	 * [rad] Between the line along an axis and that of the exact axis.  Axial: of the axis that
+	 * stands alone, the others being chosen; spherical: a quarter turn, all are.
+	 */
+	double axes;
+};
+
 struct mp_report {
 	struct mp_notes notes;
 	struct mp_vertices *vertices; /* coordinates for the defects below */
 	uint32_t (*tri)[3];
 	uint32_t triangles;
 	struct mp_topology topology;
+	struct mp_by_index by_index;
 	struct mp_box box;
 
 	enum mp_orientation orientation;
@@ -98,13 +125,19 @@ struct mp_report {
 	double surface_centroid[3];
 	bool surface_centroid_defined; /* area > 0 */
 	bool has_density;
-	double density;       /* [M/L^3]: given, or mass over volume; meaningful if has_density */
-	bool density_defined; /* a weighed mass needs a defined volume */
+	/*
+	 * [M/L^3]: given, or mass over volume where the mass was weighed or names have densities
+	 * of their own; meaningful if has_density.
+	 */
+	double density;
+	bool density_defined; /* mass over volume needs a defined volume */
 	double inertia_origin[3][3];
 	double inertia_about[3][3];    /* about the request's point */
 	struct mp_axis_moment axis;    /* about the request's axis */
 	struct mp_principal principal; /* defined where total.inertia is */
 	double radii_of_gyration[3];
+	enum mp_precision precision;
+	struct mp_bounds bounds;
 	bool inertia_origin_defined;
 	bool inertia_about_defined, axis_defined; /* false too where the request did not ask */
 	bool radii_defined; /* false where a moment is negative: bodies of mixed winding */

@@ -12,9 +12,14 @@ void srv_body_init(struct srv_body *b, struct srv_budget *budget)
 	b->fd = -1;
 }
 
+uint64_t srv_budget_left(const struct srv_budget *b)
+{
+	return b->used < b->most ? b->most - b->used : 0;
+}
+
 static int charge(struct srv_body *b, uint64_t bytes)
 {
-	if (bytes > b->budget->most - b->budget->used)
+	if (bytes > srv_budget_left(b->budget))
 		return -1;
 	b->budget->used += bytes;
 	b->charged += bytes;
@@ -78,7 +83,7 @@ int srv_body_add(struct srv_body *b, const uint8_t *bytes, size_t len)
 
 bool srv_body_fits(const struct srv_body *b)
 {
-	return b->budget->most - b->budget->used >= SRV_BODY_SMALL;
+	return srv_budget_left(b->budget) >= SRV_BODY_SMALL;
 }
 
 void srv_body_clear(struct srv_body *b)

@@ -7,13 +7,16 @@
 
 /*
  * A body that has no worker yet: in memory while it is small, then in an anonymous file, which
- * the worker gets as a descriptor.  Every byte is charged to the budget of all waiting bodies.
+ * the worker gets as a descriptor.  Every byte is charged to the budget of all waiting bodies and
+ * of the answers that wait for their clients.
  */
 enum { SRV_BODY_SMALL = 256 << 10 }; /* bytes; not more than a ring takes */
 
 struct srv_budget {
-	uint64_t most, used;
+	uint64_t most, used; /* one large answer may go beyond most */
 };
+
+uint64_t srv_budget_left(const struct srv_budget *);
 
 struct srv_body {
 	struct srv_budget *budget;

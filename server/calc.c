@@ -188,6 +188,19 @@ static int one_solid(const struct calc *c, char **file, int count)
 	return verdict;
 }
 
+/* Options are judged once and by name; with --json the report of each file says it. */
+static bool bad_option(const struct calc *c)
+{
+	struct api_job_head head = {.query = c->query, .query_len = c->query_len};
+	struct api_problem p;
+
+	if (c->json || api_job_precheck(&head, &p) == 0)
+		return false;
+	(void)fprintf(stderr, "masspropd calc: %s%s%s%s\n", p.option[0] != '\0' ? "--" : "",
+		      p.option, p.option[0] != '\0' ? ": " : "", p.detail);
+	return true;
+}
+
 int srv_calc_main(int argc, char **argv)
 {
 	struct calc c = {.json = false};
@@ -205,6 +218,10 @@ int srv_calc_main(int argc, char **argv)
 	}
 	if (c.files == 0) {
 		(void)fputs("masspropd calc: no file given (see masspropd calc --help)\n", stderr);
+		return UNREADABLE;
+	}
+	if (bad_option(&c)) {
+		free(c.query);
 		return UNREADABLE;
 	}
 	for (int i = 1; i <= c.files; i += c.together ? c.files : 1) {

@@ -77,6 +77,7 @@ void srv_exchange_free(struct srv_exchange *ex)
 	if (ex->next != NULL)
 		ex->next->previous = ex->previous;
 	ex->front->in_flight--;
+	ex->front->budget.used -= ex->charged;
 	free(ex->uri);
 	free(ex);
 }
@@ -136,17 +137,46 @@ void srv_exchange_problem(struct srv_exchange *ex, const struct api_problem *p)
 	answered(ex);
 }
 
-/* The worker's words are copied once and then judged: it may write while we read. */
+/* Fit to stand in a header, a log line and a label of the metrics. */
+static bool plain(const char *text)
+{
+	for (; *text != '\0'; text++)
+		if (*text < 0x20 || *text > 0x7e || *text == '"' || *text == '\\')
+			return false;
+	return true;
+}
+
+static bool is_time(double ms)
+{
+	return ms >= 0 && ms < 1e12;
+}
+
+/*
+ * The worker's words are copied once and then judged: it may write while we read.  A descriptor
+ * must be a file of the length that was said: a pipe would never end.
+ */
 static bool sane(struct srv_result *r, int fd)
 {
 	r->format[sizeof r->format - 1] = '\0';
 	r->content_type[sizeof r->content_type - 1] = '\0';
-	for (const char *c = r->content_type; *c != '\0'; c++)
-		if (*c < 0x20 || *c > 0x7e)
-			return false;
+	if (fd < 0 ? r->len > SRV_ANSWER
+		   : r->len > INT64_MAX || lseek(fd, 0, SEEK_END) != (off_t)r->len)
+		return false;
 	return r->status >= 200 && r->status < 600 && r->code >= 0 && r->code < API_CODES &&
-	       r->content_type[0] != '\0' && (fd >= 0 || r->len <= SRV_ANSWER) &&
-	       r->len < INT64_MAX;
+	       r->content_type[0] != '\0' && plain(r->content_type) && plain(r->format) &&
+	       is_time(r->decode_ms) && is_time(r->analyse_ms);
+}
+
+/* An answer takes memory until its client has read it, which may take its time. */
+static bool afford(struct srv_exchange *ex, uint64_t bytes)
+{
+	struct srv_budget *b = &ex->front->budget;
+
+	if (b->used > 0 && bytes > srv_budget_left(b)) /* the only one may be of any size */
+		return false;
+	b->used += bytes;
+	ex->charged = bytes;
+	return true;
 }
 
 void srv_exchange_result(struct srv_exchange *ex, struct srv_segment *segment, int fd)
@@ -155,7 +185,11 @@ void srv_exchange_result(struct srv_exchange *ex, struct srv_segment *segment, i
 	struct api_problem problem;
 
 	ex->result = segment->result;
-	if (sane(&ex->result, fd)) {
+	(void)api_problem_set(&problem, API_INTERNAL, "the answer could not be taken over");
+	if (sane(&ex->result, fd) && !afford(ex, ex->result.len)) {
+		(void)api_problem_set(&problem, API_MEMORY_FULL,
+				      "too many large answers are waiting for their clients");
+	} else if (sane(&ex->result, fd)) {
 		reply->len = (size_t)ex->result.len;
 		reply->fd = fd;
 		reply->body = fd >= 0 ? NULL : malloc(reply->len > 0 ? reply->len : 1);
@@ -172,7 +206,6 @@ void srv_exchange_result(struct srv_exchange *ex, struct srv_segment *segment, i
 	}
 	if (fd >= 0)
 		close(fd);
-	(void)api_problem_set(&problem, API_INTERNAL, "the answer could not be taken over");
 	srv_exchange_problem(ex, &problem);
 }
 
@@ -275,6 +308,10 @@ ssize_t srv_exchange_bytes(struct srv_exchange *ex, const uint8_t *bytes, size_t
 	ex->received += taken;
 	ex->last_byte = now;
 	check_size(ex);
+	if (ex->answered) { /* nobody will make room: the rest is swallowed, too */
+		ex->received += len - taken;
+		taken = len;
+	}
 	return (ssize_t)taken;
 }
 

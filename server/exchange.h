@@ -78,6 +78,7 @@ struct srv_exchange {
 	uint64_t rate_bytes; /* received at that time */
 
 	struct srv_reply reply;
+	uint64_t charged;         /* to the budget, for the answer */
 	struct srv_result result; /* of the worker, where has_result */
 	bool has_result;
 };

@@ -1,5 +1,6 @@
 #include "server/log.h"
 
+#include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -67,14 +68,16 @@ static void stamp(char out[40])
 
 static void emit(char *line, int n, size_t size)
 {
+	struct pollfd log = {.fd = STDERR_FILENO, .events = POLLOUT};
 	size_t len = n < 0 ? 0 : (size_t)n < size - 1 ? (size_t)n : size - 2;
 
 	line[len++] = '\n';
-	while (len > 0) {
+	/* A log that nobody reads must not stop the service: a full pipe loses lines. */
+	while (len > 0 && poll(&log, 1, 0) != 0) {
 		ssize_t put = write(STDERR_FILENO, line, len);
 
 		if (put <= 0)
-			return; /* a log that nobody reads must not stop the service */
+			return;
 		line += put;
 		len -= (size_t)put;
 	}
@@ -103,13 +106,14 @@ void srv_log(enum srv_level level, const char *fmt, ...)
 
 void srv_log_access(const struct srv_access *a)
 {
-	char path[300], id[80], when[40], line[1200];
+	char path[300], method[80], id[80], when[40], line[1200];
 	int n;
 
 	if (!srv_log_wants(SRV_INFO))
 		return;
 	stamp(when);
 	escape(a->path, path, sizeof path);
+	escape(a->method, method, sizeof method);
 	escape(a->id, id, sizeof id);
 	if (log_state.json)
 		n = snprintf(
@@ -118,13 +122,13 @@ void srv_log_access(const struct srv_access *a)
 		    "\"client\":\"%s\",\"method\":\"%s\",\"path\":\"%s\",\"status\":%d,"
 		    "\"code\":\"%s\",\"format\":\"%s\",\"received\":%llu,\"sent\":%llu,"
 		    "\"ms\":%.3f}",
-		    when, log_state.role, id, a->client, a->method, path, a->status, a->code,
+		    when, log_state.role, id, a->client, method, path, a->status, a->code,
 		    a->format, a->received, a->sent, 1e3 * a->seconds);
 	else
 		n = snprintf(
 		    line, sizeof line,
 		    "%s info %s: %s %s %s %d%s%s%s%s received=%llu sent=%llu ms=%.3f id=%s", when,
-		    log_state.role, a->client, a->method, path, a->status, *a->code ? " " : "",
+		    log_state.role, a->client, method, path, a->status, *a->code ? " " : "",
 		    a->code, *a->format ? " format=" : "", a->format, a->received, a->sent,
 		    1e3 * a->seconds, id);
 	emit(line, n, sizeof line);

@@ -145,7 +145,8 @@ static void gauges(FILE *f, const struct srv_front *front)
 	single(f, "masspropd_connections", "gauge", "Open client connections.",
 	       srv_http_connections(front->http));
 	single(f, "masspropd_waiting_body_bytes", "gauge",
-	       "Memory of bodies that wait for a worker.", front->budget.used);
+	       "Memory of bodies that wait for a worker and of answers that wait for a client.",
+	       front->budget.used);
 	single(f, "masspropd_ready", "gauge", "1 while /readyz says 200.",
 	       !front->draining && there > 0);
 	head(f, "masspropd_build_info", "gauge", "The version that runs.");

@@ -104,6 +104,8 @@ def test_capabilities(d):
 
     def cases():
         for kind in c.get("media_types", ["none"]):
+            if kind.startswith("multipart/"):
+                continue
             a = d.post(BOX, content_type=kind)
             yield kind, a.status != 200 and str(a)
             a = d.post(BOX, content_type=kind.upper() + " ; charset=x")

@@ -263,7 +263,7 @@ def test_no_spinning(d):
 
 with Daemon("--workers", "1", "--header-timeout", "400ms", "--body-timeout", "500ms") as hasty:
     test_tables(hasty)
-with Daemon("--workers", "1") as daemon:
+with Daemon("--workers", "1", "--drain-timeout", "500ms") as daemon:
     test_nul(daemon)
     test_no_spinning(daemon)
     test_hosts(daemon)

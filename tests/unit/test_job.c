@@ -553,7 +553,7 @@ static void media_types_are_those_of_the_contract(void **state)
 					    "*/*",
 					    "model/stl, text/plain",
 					    "image/png",
-					    "multipart/form-data; boundary=x"};
+					    "multipart/mixed; boundary=x"};
 
 	(void)state;
 	for (size_t i = 0; i < sizeof good / sizeof good[0]; i++)
@@ -562,17 +562,19 @@ static void media_types_are_those_of_the_contract(void **state)
 		assert_int_equal(verdict("", wrong[i], NULL), API_UNSUPPORTED_MEDIA_TYPE);
 }
 
-static void only_plain_bodies_are_taken_yet(void **state)
+static void codings_are_those_of_the_contract(void **state)
 {
 	(void)state;
 	assert_int_equal(verdict("", NULL, "identity"), API_OK);
 	assert_int_equal(verdict("", NULL, " Identity , identity"), API_OK);
 	assert_int_equal(verdict("", NULL, ""), API_OK);
-	assert_int_equal(verdict("", NULL, "gzip"), API_UNSUPPORTED_ENCODING);
-	assert_int_equal(verdict("", NULL, "identity, gzip"), API_UNSUPPORTED_ENCODING);
-	assert_int_equal(verdict("", NULL, "zstd"), API_UNSUPPORTED_ENCODING);
-	assert_string_equal(api_accept_encoding, "identity");
+	assert_int_equal(verdict("", NULL, "br"), API_UNSUPPORTED_ENCODING);
+	assert_int_equal(verdict("", NULL, "identity, deflate"), API_UNSUPPORTED_ENCODING);
+	assert_int_equal(verdict("", NULL, "gzip, zstd"), API_UNSUPPORTED_ENCODING);
+	assert_int_equal(verdict("", "multipart/form-data", NULL), API_BAD_MULTIPART);
+	assert_string_equal(api_accept_encoding, "gzip, zstd, identity");
 	assert_non_null(strstr(api_accept_post, "model/stl"));
+	assert_non_null(strstr(api_accept_post, "multipart/form-data"));
 }
 
 static void a_job_may_be_left_at_any_time(void **state)
@@ -675,8 +677,8 @@ static void capabilities_say_what_is_in_force(void **state)
 	assert_int_equal(strlen(text), len);
 	prints(json, "version", "\"0.1.0\"");
 	assert_string_equal(api_version, "0.1.0");
-	prints(json, "formats", "[\"stl-binary\",\"stl-ascii\"]");
-	prints(json, "content_codings", "[\"identity\"]");
+	prints(json, "formats", "[\"stl-binary\",\"stl-ascii\",\"draco\"]");
+	prints(json, "content_codings", "[\"identity\",\"gzip\",\"zstd\"]");
 	prints(json, "units", "[\"mm\",\"um\",\"cm\",\"m\",\"in\",\"ft\"]");
 	prints(json, "density_units", "[\"kg/m3\",\"g/cm3\",\"lb/in3\",\"file\"]");
 	prints(json, "mass_units", "[\"kg\",\"g\",\"lb\"]");
@@ -743,7 +745,7 @@ int main(void)
 	    cmocka_unit_test(limits_are_named_with_both_figures),
 	    cmocka_unit_test(options_are_judged_from_the_head),
 	    cmocka_unit_test(media_types_are_those_of_the_contract),
-	    cmocka_unit_test(only_plain_bodies_are_taken_yet),
+	    cmocka_unit_test(codings_are_those_of_the_contract),
 	    cmocka_unit_test(a_job_may_be_left_at_any_time),
 	    cmocka_unit_test_setup_teardown(any_failed_allocation_gives_an_answer, hook, unhook),
 	    cmocka_unit_test(capabilities_say_what_is_in_force),

@@ -1,0 +1,83 @@
+#include "tests/unit/made_file.h"
+
+#include <string.h>
+
+#include "core/analysis_state.h"
+
+struct delivery {
+	struct made_file file;
+	const struct mp_sink *sink;
+};
+
+static int send_names(const struct delivery *d, struct mp_error *err)
+{
+	const struct mp_sink *s = d->sink;
+
+	for (const struct made_range *r = d->file.parts; r != NULL && r->name != NULL; r++)
+		if (s->part(s->self, r->first, r->name, strlen(r->name), err))
+			return -1;
+	for (const struct made_range *r = d->file.materials; r != NULL && r->name != NULL; r++)
+		if (s->material(s->self, r->first, r->name, strlen(r->name), err))
+			return -1;
+	return 0;
+}
+
+static int finish(void *state, struct mp_error *err)
+{
+	const struct delivery *d = state;
+	const struct mesh *m = d->file.mesh;
+
+	if (send_names(d, err))
+		return -1;
+	for (size_t at = 0, n; at < m->count; at += n) {
+		n = m->count - at < MP_BLOCK ? m->count - at : MP_BLOCK;
+		if (d->file.index != NULL &&
+		    d->sink->indices(d->sink->self, d->file.index + at, n, err))
+			return -1;
+		if (d->sink->block(d->sink->self, (const double(*)[9])m->tri + at, n, err))
+			return -1;
+	}
+	return 0;
+}
+
+static void end(void *state)
+{
+	(void)state;
+}
+
+static const struct mp_decoder_ops deliver = {"made", NULL, NULL, finish, end};
+
+struct mp_analysis *made_analysis(const struct made_file *files, size_t count,
+				  const struct mp_request *request, struct mp_error *err)
+{
+	struct mp_analysis *a = mp_analysis_new(request, err);
+	int ret = 0;
+
+	for (size_t i = 0; i < count && a != NULL && ret == 0; i++) {
+		struct delivery d = {files[i], &a->sink};
+
+		a->decoder = &deliver;
+		a->state = &d;
+		a->notes = (struct mp_notes){.format = MP_FORMAT_OBJ};
+		ret = i + 1 < count ? mp_analysis_next(a, err) : mp_analysis_end(a, err);
+		a->decoder = NULL;
+	}
+	if (ret) {
+		mp_analysis_free(a);
+		return NULL;
+	}
+	return a;
+}
+
+int made_report(const struct made_file *files, size_t count, const struct mp_request *request,
+		struct mp_report *out, struct mp_error *err)
+{
+	struct mp_analysis *a = made_analysis(files, count, request, err);
+	int ret = -1;
+
+	memset(out, 0, sizeof *out);
+	if (a != NULL)
+		ret = mp_analysis_report(a, request, out, err);
+	mp_analysis_free(a);
+	return ret;
+}
