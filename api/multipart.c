@@ -58,7 +58,7 @@ static int emit_matched(struct api_multipart *m, struct api_problem *p)
 }
 
 /*
- * Go on with a delimiter that began in an earlier chunk.  Where it fails, another can only begin
+ * Go on with what may be a delimiter.  Where it fails, another can only begin
  * with the byte that did not fit: there is one CR in a delimiter, its first byte.
  */
 static int match_on(struct api_multipart *m, const uint8_t *bytes, size_t len, size_t *taken,
@@ -93,8 +93,6 @@ static int content(struct api_multipart *m, const uint8_t *bytes, size_t len, si
 
 		if (memcmp(cr, m->delimiter, n) == 0) {
 			m->matched = n;
-			if (n == m->delimiter_len)
-				m->state = TAIL;
 			*taken = (size_t)(cr - bytes) + n;
 			return emit(m, bytes, (size_t)(cr - bytes), p);
 		}
@@ -185,7 +183,7 @@ static int head(struct api_multipart *m, uint8_t byte, struct api_problem *p)
 		return bad(m, p, m->at, "its head has a control character");
 	m->head[n++] = (char)byte;
 	m->head_len = n;
-	if (byte != '\n' || (n != 2 && (n < 4 || m->head[n - 4] != '\r' || m->head[n - 3] != '\n')))
+	if (byte != '\n' || (n != 2 && m->head[n - 3] != '\n')) /* no LF without a CR is in it */
 		return 0;
 	return begin_part(m, p);
 }

@@ -135,7 +135,7 @@ void api_named_request(const struct api_options *o, struct mp_request *out)
 		struct api_ratio density = in_file_units(o, i);
 
 		n->request[i] = (struct mp_named_density){n->list[i].text, n->list[i].len,
-							  density.num, density.den};
+							  density.num, density.den, 0};
 	}
 	out->named = n->request;
 	out->named_count = n->count;
@@ -155,35 +155,46 @@ static bool is_shown(const struct shown *s, const char *name, size_t len)
 	return false;
 }
 
+/* Add a name to ${text}; false where there were as many before. */
+static bool show(struct shown *s, const char *name, size_t len, char *text, size_t cap)
+{
+	size_t at = strlen(text);
+	char clean[SHOWN];
+
+	if (len == 0 || is_shown(s, name, len))
+		return true;
+	if (s->count == SHOWN_NAMES)
+		return false;
+	(void)api_utf8_copy(clean, sizeof clean, name, len);
+	(void)snprintf(text + at, cap - at, "%s%s", s->count == 0 ? " The names are: " : ", ",
+		       clean);
+	s->name[s->count] = name;
+	s->len[s->count++] = len;
+	return true;
+}
+
 /* Behind what ${text} says: the first names that there are. */
 static void list_names(const struct mp_analysis *a, char *text, size_t cap)
 {
 	struct shown s = {.count = 0};
-	size_t at = strlen(text);
-	bool more = false;
+	uint64_t t = 0, end = 0;
+	bool all = true;
+	size_t at;
 
-	for (uint64_t t = 0, end; !more; t = end) {
-		size_t len;
-		const char *name = mp_analysis_name(a, t, &len, &end);
-		char clean[SHOWN];
+	do {
+		t = end;
+		for (int other = 0; other < 2 && all; other++) {
+			size_t len;
+			const char *name = mp_analysis_name(a, t, other, &len, &end);
 
-		if (end == t)
-			break;
-		if (len == 0 || is_shown(&s, name, len))
-			continue;
-		more = s.count == SHOWN_NAMES;
-		if (more)
-			break;
-		(void)api_utf8_copy(clean, sizeof clean, name, len);
-		at += (size_t)snprintf(text + at, cap - at, "%s%s",
-				       s.count == 0 ? " The names are: " : ", ", clean);
-		s.name[s.count] = name;
-		s.len[s.count++] = len;
-	}
+			all = end == t || show(&s, name, len, text, cap);
+		}
+	} while (end > t && all);
+	at = strlen(text);
 	(void)snprintf(text + at, cap - at, "%s",
-		       more           ? ", and others."
-		       : s.count == 0 ? " No faces have a name."
-				      : ".");
+		       s.count == 0 ? " No faces have a name."
+		       : all        ? "."
+				    : ", and others.");
 }
 
 int api_named_refuse(const struct api_named *n, const struct mp_analysis *a,
@@ -204,7 +215,9 @@ int api_named_refuse(const struct api_named *n, const struct mp_analysis *a,
 			list_names(a, p->detail, sizeof p->detail);
 		return -1;
 	}
-	name = mp_analysis_name(a, err->actual, &len, &end);
+	name = mp_analysis_name(a, err->actual, true, &len, &end);
+	if (len == 0)
+		name = mp_analysis_name(a, err->actual, false, &len, &end);
 	if (len == 0)
 		return api_problem_option(p, API_BAD_OPTION, "density", strlen("density"),
 					  "Some faces are under no name: give the density of all "

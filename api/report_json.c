@@ -236,6 +236,28 @@ static void add_properties(struct doc *d, cJSON *root)
 	api_json_null(&d->j, p, "volume_if_oriented");
 }
 
+/* Null where the result is. */
+static void add_bounds(struct doc *d, cJSON *root)
+{
+	const struct mp_report *r = d->r;
+	const struct mp_bounds *b = &r->bounds;
+	const struct mp_mass *m = &r->total;
+	cJSON *o = api_json_object(&d->j, root, "error_bounds");
+
+	api_json_value(&d->j, o, "volume", m->volume_defined, b->volume);
+	api_json_value(&d->j, o, "surface_area", m->area_defined, b->area);
+	api_json_value(&d->j, o, "mass", r->has_density && m->mass_defined, b->mass);
+	api_json_value(&d->j, o, "centroid", m->centroid_defined, b->centroid);
+	api_json_value(&d->j, o, "inertia", m->inertia_defined, b->inertia);
+	api_json_value(&d->j, o, "inertia_about_origin", r->inertia_origin_defined,
+		       b->inertia_origin);
+	api_json_value(&d->j, o, "principal_moments", m->inertia_defined, b->moments);
+	api_json_value(&d->j, o, "principal_axes_rad", m->inertia_defined, b->axes);
+	api_json_value(&d->j, o, "radii_of_gyration", m->inertia_defined && r->radii_defined,
+		       b->radii);
+	api_json_null(&d->j, o, "quadrature_estimate");
+}
+
 static void add_defects(struct doc *d, cJSON *root)
 {
 	static const char *const names[MP_DEFECT_KINDS] = {
@@ -285,13 +307,13 @@ char *api_report_json(const struct mp_report *report, const struct api_options *
 	struct api_text bodies = {0};
 
 	api_json_string(&d.j, root, "schema", "masspropd/1");
-	api_json_null(&d.j, root, "precision");
+	api_json_string(&d.j, root, "precision", api_precision_word(report->precision));
 	add_input(&d, root, filename);
 	add_units(&d, root);
 	add_mesh(&d, root);
 	add_checks(&d, root);
 	add_properties(&d, root);
-	api_json_null(&d.j, root, "error_bounds");
+	add_bounds(&d, root);
 	api_bodies_text(report, &bodies);
 	api_json_text(&d.j, root, "bodies", &bodies);
 	add_defects(&d, root);

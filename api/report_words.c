@@ -46,3 +46,8 @@ const char *api_symmetry_word(enum mp_symmetry symmetry)
 	}
 	return "none";
 }
+
+const char *api_precision_word(enum mp_precision precision)
+{
+	return precision == MP_PRECISION_EXACT ? "exact" : "certified";
+}

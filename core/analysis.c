@@ -47,7 +47,15 @@ static int take_part(void *self, uint64_t first, const char *name, size_t len, s
 {
 	struct mp_analysis *a = self;
 
-	return mp_parts_add(&a->parts, a->first + first, name, len, err);
+	return mp_parts_add(&a->names.parts, a->first + first, name, len, err);
+}
+
+static int take_object(void *self, uint64_t first, const char *name, size_t len,
+		       struct mp_error *err)
+{
+	struct mp_analysis *a = self;
+
+	return mp_parts_add(&a->names.objects, a->first + first, name, len, err);
 }
 
 static int take_material(void *self, uint64_t first, const char *name, size_t len,
@@ -56,10 +64,10 @@ static int take_material(void *self, uint64_t first, const char *name, size_t le
 	struct mp_analysis *a = self;
 
 	/* where a file has materials, the faces before the first one have none */
-	if (!a->has_material && mp_parts_add(&a->materials, a->first, "", 0, err))
+	if (!a->has_material && mp_parts_add(&a->names.materials, a->first, "", 0, err))
 		return -1;
 	a->has_material = true;
-	return mp_parts_add(&a->materials, a->first + first, name, len, err);
+	return mp_parts_add(&a->names.materials, a->first + first, name, len, err);
 }
 
 static int take_indices(void *self, const uint32_t (*tri)[3], size_t count, struct mp_error *err)
@@ -93,7 +101,8 @@ struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_
 				   .part = take_part,
 				   .self = a,
 				   .indices = take_indices,
-				   .material = take_material};
+				   .material = take_material,
+				   .object = take_object};
 	mp_moments_begin(&a->moments);
 	a->vertices = mp_vertices_new(request->key, err);
 	if (a->vertices == NULL)
@@ -159,8 +168,9 @@ int mp_analysis_next(struct mp_analysis *a, struct mp_error *err)
 	a->first = a->triangles;
 	a->has_material = false;
 	/* what has a name ends here, whether or not the next file names any */
-	if ((a->parts.count > 0 && mp_parts_end(&a->parts, a->first, err)) ||
-	    (a->materials.count > 0 && mp_parts_end(&a->materials, a->first, err)))
+	if (mp_parts_end(&a->names.parts, a->first, err) ||
+	    mp_parts_end(&a->names.objects, a->first, err) ||
+	    mp_parts_end(&a->names.materials, a->first, err))
 		return -1;
 	return a->request.format == MP_WISH_AUTO ? 0 : begin(a, a->request.format, true, err);
 }
@@ -177,10 +187,10 @@ int mp_analysis_end(struct mp_analysis *a, struct mp_error *err)
 	return 0;
 }
 
-const char *mp_analysis_name(const struct mp_analysis *a, uint64_t t, size_t *len, uint64_t *end)
+const char *mp_analysis_name(const struct mp_analysis *a, uint64_t t, bool other, size_t *len,
+			     uint64_t *end)
 {
-	const struct mp_names names = {&a->materials, &a->parts};
-	const char *name = mp_named_at(&names, t, len, end);
+	const char *name = mp_named_at(&a->names, t, other, len, end);
 
 	if (*end > a->triangles)
 		*end = a->triangles;
@@ -200,8 +210,9 @@ void mp_analysis_free(struct mp_analysis *a)
 		a->decoder->end(a->state);
 	mp_vertices_free(a->vertices);
 	free(a->tri);
-	mp_parts_free(&a->parts);
-	mp_parts_free(&a->materials);
+	mp_parts_free(&a->names.parts);
+	mp_parts_free(&a->names.objects);
+	mp_parts_free(&a->names.materials);
 	mp_index_free(&a->index);
 	free(a);
 }

@@ -9,11 +9,13 @@
 enum mp_format_wish { MP_WISH_AUTO, MP_WISH_STL, MP_WISH_OBJ, MP_WISH_DRACO };
 enum mp_density_kind { MP_DENSITY_NONE, MP_DENSITY_GIVEN, MP_DENSITY_FROM_MASS };
 
-/* The density of the faces under a name, as density and density_divisor of the request. */
+/* The density of the faces under a name; the numbers are as the request's density, density_divisor
+ * and density_error. */
 struct mp_named_density {
-	const char *name; /* as in the file: material (usemtl), else object, group or solid */
-	size_t len;       /* 1 to MP_NAME_MAX */
-	double density, divisor;
+	const char
+	    *name;  /* as in the file: material, or in files without them group, object, solid */
+	size_t len; /* 1 to MP_NAME_MAX */
+	double density, divisor, error;
 };
 
 enum { MP_MOST_NAMED = 1000 };
@@ -74,10 +76,12 @@ int mp_analysis_report(struct mp_analysis *, const struct mp_request *request,
 
 /*
  * For problems with names: the name by which the density of triangle ${t} is found, ${*len} raw
- * bytes of the file, or "" where it has none.  ${*end}: the first triangle behind ${t} with another
- * name, or the number of triangles.  Legal when the last file has ended; valid until the end.
+ * bytes of the file, or "" where it has none; ${other}: the name that counts where that one has no
+ * density.  ${*end}: the first triangle behind ${t} with another name, or the number of triangles.
+ * Legal when the last file has ended; valid until mp_analysis_free().
  */
-const char *mp_analysis_name(const struct mp_analysis *, uint64_t t, size_t *len, uint64_t *end);
+const char *mp_analysis_name(const struct mp_analysis *, uint64_t t, bool other, size_t *len,
+			     uint64_t *end);
 
 /*
  * Whether another project's decoder has read bytes of the uploader's, with or without success: this

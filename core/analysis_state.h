@@ -24,9 +24,8 @@ struct mp_analysis {
 	struct mp_vertices *vertices;
 	uint32_t (*tri)[3];
 	size_t triangles, room;
-	struct mp_parts parts;
-	struct mp_parts materials; /* gaps: of files without any */
-	bool has_material;         /* the file in work */
+	struct mp_names names;
+	bool has_material; /* the file in work */
 	struct mp_index index;
 	struct mp_by_index by_index; /* when ended; not yet compared */
 	bool ended; /* mp_analysis_end() returned 0, and no report took the mesh yet */

@@ -57,7 +57,7 @@ int mp_bodies_judge(const struct mp_bodies *, struct mp_report *report, struct m
 
 /* report->body, bodies_listed and names.  ${density}: of all bodies, unless ${named} has theirs. */
 int mp_bodies_list(const struct mp_bodies *, const struct mp_density *density,
-		   const struct mp_named *named, const struct mp_parts *parts,
+		   const struct mp_named *named, const struct mp_names *names,
 		   struct mp_report *report, struct mp_error *err);
 
 #endif

@@ -3,15 +3,24 @@
 
 #include "core/bodies.h"
 
+/* The part of body ${i}, or where it has several their object. */
+static const char *find_name(const struct mp_bodies *b, uint32_t i, const struct mp_names *names,
+			     size_t *len)
+{
+	uint32_t first = b->order[b->start[i]], last = b->order[b->start[i + 1] - 1];
+	const char *name = mp_parts_name(&names->parts, first, last, len);
+
+	return name != NULL ? name : mp_parts_name(&names->objects, first, last, len);
+}
+
 /* Names are copied behind each other; body[].name is set when the pool no longer moves. */
-static int copy_names(const struct mp_bodies *b, const struct mp_parts *parts, struct mp_report *r,
+static int copy_names(const struct mp_bodies *b, const struct mp_names *names, struct mp_report *r,
 		      struct mp_error *err)
 {
 	size_t size = 0, len, at = 0;
 
 	for (uint32_t i = 0; i < r->bodies_listed; i++) {
-		(void)mp_parts_name(parts, b->order[b->start[i]], b->order[b->start[i + 1] - 1],
-				    &len);
+		(void)find_name(b, i, names, &len);
 		size += len;
 	}
 	if (size == 0)
@@ -20,8 +29,7 @@ static int copy_names(const struct mp_bodies *b, const struct mp_parts *parts, s
 	if (r->names == NULL)
 		return mp_fail_nomem(err);
 	for (uint32_t i = 0; i < r->bodies_listed; i++) {
-		const char *name = mp_parts_name(parts, b->order[b->start[i]],
-						 b->order[b->start[i + 1] - 1], &len);
+		const char *name = find_name(b, i, names, &len);
 
 		if (name == NULL)
 			continue;
@@ -53,7 +61,7 @@ static void fill(const struct mp_bodies *b, uint32_t i, const struct mp_density 
 }
 
 int mp_bodies_list(const struct mp_bodies *b, const struct mp_density *density,
-		   const struct mp_named *named, const struct mp_parts *parts, struct mp_report *r,
+		   const struct mp_named *named, const struct mp_names *names, struct mp_report *r,
 		   struct mp_error *err)
 {
 	if (b->listed == 0)
@@ -64,5 +72,5 @@ int mp_bodies_list(const struct mp_bodies *b, const struct mp_density *density,
 	r->bodies_listed = b->listed;
 	for (uint32_t i = 0; i < b->listed; i++)
 		fill(b, i, density, named, r);
-	return copy_names(b, parts, r, err);
+	return copy_names(b, names, r, err);
 }

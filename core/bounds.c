@@ -61,13 +61,17 @@ static double turn(const struct mp_principal *p, int k, double tensor, double mo
 {
 	long double sine, gap = INFINITY;
 
-	for (int j = 0; j < 3; j++)
+	for (int j = 0; j < 3; j++) {
+		struct mp_ball apart = mp_ball_abs(mp_ball_sub(mp_ball_exact(p->moments[j]),
+							       mp_ball_exact(p->moments[k])));
+
+		apart = mp_ball_sub(apart, mp_ball_exact(moments));
 		if (j != k)
-			gap = fminl(gap, fabsl((long double)p->moments[j] - p->moments[k]));
-	gap = mp_ball_least(mp_ball_sub(mp_ball_exact(gap), mp_ball_exact(moments)));
-	if (!(gap > 0) || !((long double)p->moments[0] <= p->moments[2]))
+			gap = fminl(gap, apart.mid > 0 ? mp_ball_least(apart) : 0);
+	}
+	if (!(gap > 0))
 		return QUARTER_TURN;
-	sine = (mp_ball_exact(p->residual[k]).mid + tensor) / gap * (1 + 0x1p-30L);
+	sine = (p->residual[k] + (long double)tensor) / gap * (1 + 0x1p-30L);
 	return sine < 1 ? mp_round_up(asinl(sine) * (1 + 0x1p-30L)) : QUARTER_TURN;
 }
 

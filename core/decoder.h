@@ -32,8 +32,8 @@ struct mp_sink {
 	int (*block)(void *self, const double (*tri)[9], size_t count, struct mp_error *err);
 	/*
 	 * Triangles numbered ${first} and above (0-based, over the whole file) belong to the named
-	 * part (STL solid, OBJ object or group); ${name} is raw file bytes, not terminated, not
-	 * necessarily UTF-8, at most MP_NAME_MAX long (cut by the decoder).
+	 * part (STL solid; OBJ group, where there is none the object); ${name} is raw file bytes,
+	 * not terminated, not necessarily UTF-8, at most MP_NAME_MAX long (cut by the decoder).
 	 * Calls come in order of ${first}; a later call for the same ${first} replaces the former.
 	 * May be NULL.
 	 */
@@ -47,6 +47,9 @@ struct mp_sink {
 	/* As part(), but of the material (OBJ usemtl), which parts do not end.  May be NULL. */
 	int (*material)(void *self, uint64_t first, const char *name, size_t len,
 			struct mp_error *err);
+	/* As part(), but of the object alone (OBJ o), whatever groups it has.  May be NULL. */
+	int (*object)(void *self, uint64_t first, const char *name, size_t len,
+		      struct mp_error *err);
 };
 
 enum { MP_NAME_MAX = 255 };
@@ -67,6 +70,11 @@ struct mp_notes {
 	uint64_t trailing_bytes;      /* bytes behind the last triangle that were passed over */
 	uint64_t missing_endsolid;    /* ASCII STL: solids that were not ended */
 	uint64_t nonstandard_lines;   /* text passed over that the format does not know */
+	uint64_t vertices_in_file;    /* OBJ: v statements */
+	uint64_t points, lines;       /* OBJ: p and l statements, passed over */
+	uint64_t nonplanar_polygons;  /* not flat: the surface hangs on how they are split */
+	uint64_t tangled_polygons;    /* crossing themselves: their area is off */
+	uint64_t nul_bytes;           /* OBJ: NUL and Ctrl-Z characters at the end */
 	double quantisation_step; /* [L] of the coordinates; 0: none, or (Draco 1.x) not known */
 	bool foreign_code;        /* another project's decoder read the bytes, maybe in vain */
 };
@@ -87,6 +95,7 @@ struct mp_decoder_ops {
 };
 
 extern const struct mp_decoder_ops mp_stl_decoder;   /* binary or ASCII, found from the bytes */
+extern const struct mp_decoder_ops mp_obj_decoder;   /* polygons; no free-form surfaces */
 extern const struct mp_decoder_ops mp_draco_decoder; /* meshes of bitstreams 1.0 to 2.2 */
 
 #endif

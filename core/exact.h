@@ -20,11 +20,13 @@
  * depend on the origin; for any other they mean nothing.
  */
 
-/* On the axis, a coordinate x is (origin + q)*2^exponent, |q| <= 2^(bits - 1); exact_grid.c. */
+/* On the axis, a coordinate x is (origin + q)*2^exponent, |q| <= 2^(bits - 1). */
 struct mp_exact_axis {
 	int exponent;
 	int64_t origin;
 };
+
+#define MP_EXACT_OFF INT64_MIN /* as first coordinate: the vertex is not on the grid */
 
 struct mp_exact_grid {
 	struct mp_exact_axis axis[3];
@@ -33,17 +35,23 @@ struct mp_exact_grid {
 	 * triangle goes through GMP; never found, for tests to set.
 	 */
 	unsigned bits;
-	bool lossless; /* every vertex is on the grid, so that GMP is not needed */
+	bool lossless;   /* no vertex is off the grid */
+	int64_t (*q)[3]; /* per vertex */
 };
 
-/* The grid for all vertices of ${mesh} and any of its bodies.  One pass, cannot fail. */
-void mp_exact_grid_find(const struct mp_mesh *mesh, struct mp_exact_grid *out);
+/*
+ * mp_exact_grid_find(mesh, out, err):
+ * The grid for ${mesh} and any of its bodies, and where on it every vertex is; 24 bytes a vertex.
+ * -1: memory is out, nothing to free.
+ */
+int mp_exact_grid_find(const struct mp_mesh *mesh, struct mp_exact_grid *out, struct mp_error *err);
+void mp_exact_grid_free(struct mp_exact_grid *); /* legal on a zeroed struct; zeroes it */
 
 /* The sums A0; A1 x y z; A2 xx yy zz xy yz zx: sign * limbs * 2^exponent [L^3, L^4, L^5]. */
 enum { MP_EXACT_SUMS = 10 };
 
 struct mp_exact {
-	struct mp_exact_grid grid;
+	struct mp_exact_axis axis[3]; /* the sums are about the origin of the grid */
 	struct {
 		int sign;         /* -1, 0, 1 */
 		int exponent;     /* of the lowest limb */
@@ -82,7 +90,7 @@ struct mp_exact_value {
 
 /* Of which mass?  A NULL pointer stands for density 1: masses are volumes. */
 struct mp_exact_density {
-	double value, divisor;       /* density = value/divisor [M/L^3]; a divisor of 0 counts as 1 */
+	double value, divisor; /* density = value/divisor [M/L^3]; a divisor of 0 counts as 1 */
 	const struct mp_exact *over; /* not NULL: density = value/divisor/|volume of this solid| */
 };
 

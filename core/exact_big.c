@@ -1,13 +1,10 @@
 #include "core/exact_big.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 
 _Static_assert(GMP_NUMB_BITS == 64 && sizeof(mp_limb_t) == sizeof(uint64_t),
 	       "limbs are taken for uint64_t");
-
-enum { MANTISSA = 53 };
 
 static void trim(struct mp_big *x)
 {
@@ -30,13 +27,21 @@ void mp_big_set_i64(struct mp_big *out, int64_t x, int exponent)
 	mp_big_set(out, x < 0 ? -1 : 1, x < 0 ? -(uint64_t)x : (uint64_t)x, exponent);
 }
 
+/* By its bits, for the GMP path spends half its time here with frexp() and ldexp(). */
 void mp_big_set_double(struct mp_big *out, double x)
 {
-	int exponent;
-	uint64_t size = (uint64_t)ldexp(frexp(fabs(x), &exponent), MANTISSA);
-	int zeros = size == 0 ? 0 : __builtin_ctzll(size);
+	uint64_t bits, size;
+	int exponent, zeros;
 
-	mp_big_set(out, x < 0 ? -1 : 1, size >> zeros, exponent - MANTISSA + zeros);
+	memcpy(&bits, &x, sizeof bits);
+	exponent = (int)(bits >> 52 & 0x7ff);
+	size = bits & (((uint64_t)1 << 52) - 1);
+	if (exponent > 0)
+		size |= (uint64_t)1 << 52;
+	else
+		exponent = 1;
+	zeros = size == 0 ? 0 : __builtin_ctzll(size);
+	mp_big_set(out, bits >> 63 ? -1 : 1, size >> zeros, exponent - 1075 + zeros);
 }
 
 void mp_big_set_limbs(struct mp_big *out, int sign, const uint64_t *limb, int n, int exponent)

@@ -13,7 +13,7 @@
  * differences 2100 bits, A0 6335, A1 8437, A2 10539 with 2^32 triangles; numerators of second
  * moments (see exact_solve.c) 16880; those of a moment about an axis, with two components of its
  * direction, 21080; times a factor of 53 bits or 6335 + 9 in numerators or denominators of at most
- * 16880: 21200.  To be divided, either number is shifted to 116 bits more than the other.
+ * 17000: 21200.  To be divided, either number is shifted to 116 bits more than the other.
  */
 enum { MP_BIG_LIMBS = 340 };
 

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-enum line { LINE_NOTHING, LINE_VERTEX, LINE_STL };
+enum line { LINE_NOTHING, LINE_EMPTY, LINE_COMMENT, LINE_OBJ, LINE_STL };
 
 static bool is_blank(uint8_t c)
 {
@@ -35,6 +35,33 @@ static bool is_draco(const uint8_t *head, size_t len)
 	       head[8] <= 1;
 }
 
+/* What OBJ files begin with: the word, and whether a number follows. */
+static const struct {
+	const char *word;
+	bool number;
+} obj_words[] = {
+    {"v", true},   {"f", true},           {"vn", true},         {"vt", true},      {"vp", true},
+    {"o", false},  {"g", false},          {"mtllib", false},    {"usemtl", false}, {"s", false},
+    {"p", true},   {"l", true},           {"cstype", false},    {"fo", true},      {"call", false},
+    {"lod", true}, {"shadow_obj", false}, {"trace_obj", false},
+};
+
+static bool is_obj_line(const uint8_t *text, size_t len)
+{
+	size_t word = 0, at;
+
+	while (word < len && !is_blank(text[word]))
+		word++;
+	for (at = word; at < len && is_blank(text[at]); at++)
+		;
+	if (at == len)
+		return false;
+	for (size_t i = 0; i < sizeof obj_words / sizeof obj_words[0]; i++)
+		if (strlen(obj_words[i].word) == word && memcmp(text, obj_words[i].word, word) == 0)
+			return !obj_words[i].number || begins_number(text[at]);
+	return false;
+}
+
 static enum line judge_line(const uint8_t *text, size_t len)
 {
 	size_t i = 0;
@@ -43,18 +70,20 @@ static enum line judge_line(const uint8_t *text, size_t len)
 		i++;
 	text += i;
 	len -= i;
+	if (len == 0)
+		return LINE_EMPTY;
+	if (text[0] == '#')
+		return LINE_COMMENT;
 	if (begins(text, len, "solid") || begins(text, len, "facet"))
 		return LINE_STL;
-	if (len < 3 || text[0] != 'v' || !is_blank(text[1]))
-		return LINE_NOTHING;
-	for (i = 1; i < len && is_blank(text[i]); i++)
-		;
-	return i < len && begins_number(text[i]) ? LINE_VERTEX : LINE_NOTHING;
+	return is_obj_line(text, len) ? LINE_OBJ : LINE_NOTHING;
 }
 
+/* The first line that says something decides; if there are only comments, they are OBJ's. */
 static bool is_obj(const uint8_t *head, size_t len)
 {
 	size_t at = len >= 3 && memcmp(head, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+	bool comment = false, other = false;
 
 	while (at < len) {
 		size_t end = at;
@@ -63,11 +92,13 @@ static bool is_obj(const uint8_t *head, size_t len)
 		while (end < len && !is_end(head[end]))
 			end++;
 		line = judge_line(head + at, end - at);
-		if (line != LINE_NOTHING)
-			return line == LINE_VERTEX;
+		if (line >= LINE_OBJ)
+			return line == LINE_OBJ;
+		comment = comment || line == LINE_COMMENT;
+		other = other || line == LINE_NOTHING;
 		at = end + 1;
 	}
-	return false;
+	return comment && !other;
 }
 
 enum mp_format_wish mp_format_sniff(const uint8_t *head, size_t len)
@@ -85,15 +116,14 @@ enum mp_format_wish mp_format_sniff(const uint8_t *head, size_t len)
 const struct mp_decoder_ops *mp_format_decoder(enum mp_format_wish format, bool asked,
 					       struct mp_error *err)
 {
-	const char *seems = asked ? "" : "this seems to be ";
-
-	if (format == MP_WISH_OBJ)
-		(void)mp_fail(err, MP_UNSUPPORTED, MP_NO_BYTE, "%s%s", seems,
-			      asked ? "OBJ files are not read yet"
-				    : "an OBJ file, and OBJ files are not read yet");
-	else if (format == MP_WISH_DRACO)
+	(void)asked;
+	(void)err;
+	switch (format) {
+	case MP_WISH_OBJ:
+		return &mp_obj_decoder;
+	case MP_WISH_DRACO:
 		return &mp_draco_decoder;
-	else
+	default:
 		return &mp_stl_decoder;
-	return NULL;
+	}
 }

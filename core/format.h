@@ -9,8 +9,9 @@
 enum { MP_SNIFF_BYTES = 4096 }; /* collected before judging; a shorter file is judged whole */
 
 /*
- * Draco by its magic and a version that exists, OBJ by a line of a vertex where nothing says STL;
- * everything else is for the STL decoder, which refuses what it does not know.  ${len} is
+ * Draco by its magic and a version that exists, OBJ where the first line that says something is an
+ * OBJ statement or where there are only comments; everything else is for the STL decoder, which
+ * refuses what it does not know.  ${len} is
  * MP_SNIFF_BYTES, or the whole file.
  */
 enum mp_format_wish mp_format_sniff(const uint8_t *head, size_t len);

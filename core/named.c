@@ -1,6 +1,5 @@
 #include "core/named.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,16 +15,23 @@ static int fail(struct mp_error *err, uint64_t name, uint64_t triangle, const ch
 	return -1;
 }
 
-const char *mp_named_at(const struct mp_names *names, uint64_t t, size_t *len, uint64_t *end)
+const char *mp_named_at(const struct mp_names *names, uint64_t t, bool other, size_t *len,
+			uint64_t *end)
 {
-	const struct mp_parts *from = names->materials;
+	const struct mp_parts *from = &names->materials;
 	const struct mp_part *part = mp_parts_at(from, t, end);
-	uint64_t other;
+	uint64_t ends[2];
 
 	if (part == NULL) {
-		from = names->parts;
-		part = mp_parts_at(from, t, &other);
-		*end = other < *end ? other : *end;
+		const struct mp_part *group = mp_parts_at(&names->parts, t, &ends[0]);
+		const struct mp_part *object = mp_parts_at(&names->objects, t, &ends[1]);
+
+		from = other ? &names->objects : &names->parts;
+		part = other ? object : group;
+		for (int i = 0; i < 2; i++)
+			*end = ends[i] < *end ? ends[i] : *end;
+	} else if (other) {
+		part = NULL;
 	}
 	*len = part != NULL ? part->len : 0;
 	return *len > 0 ? from->pool + part->name : "";
@@ -46,7 +52,7 @@ static int by_name(const void *a, const void *b)
 	return order(x->name, x->len, y->name, y->len);
 }
 
-/* Which of the ${count} names it is, ${count} for none. */
+/* Which of the ${count} names that of triangle ${t} is, ${count} for none. */
 static uint32_t find(const struct mp_named_density *const *sorted, uint32_t count,
 		     const struct mp_named_density *first, const char *name, size_t len)
 {
@@ -77,12 +83,16 @@ static int assign(struct mp_named *n, const struct mp_request *request,
 	for (uint32_t i = 0; i < count; i++)
 		sorted[i] = &request->named[i];
 	qsort(sorted, count, sizeof(void *), by_name);
-	for (uint64_t t = 0, end; t < triangles; t = end) {
-		size_t len;
-		const char *name = mp_named_at(names, t, &len, &end);
-		uint32_t g = find((const struct mp_named_density *const *)sorted, count,
-				  request->named, name, len);
+	for (uint64_t t = 0, end = 0; t < triangles; t = end) {
+		uint32_t g = count;
 
+		for (int other = 0; other < 2 && g == count; other++) {
+			size_t len;
+			const char *name = mp_named_at(names, t, other, &len, &end);
+
+			g = find((const struct mp_named_density *const *)sorted, count,
+				 request->named, name, len);
+		}
 		if (end > triangles)
 			end = triangles;
 		if (n->group[g].triangles == 0)
@@ -93,12 +103,6 @@ static int assign(struct mp_named *n, const struct mp_request *request,
 	}
 	free(sorted);
 	return 0;
-}
-
-static void set_density(struct mp_group *g, double density, double divisor)
-{
-	g->density = density;
-	g->density /= divisor != 0 ? divisor : 1;
 }
 
 /* Every name has faces, and every face has a density. */
@@ -127,9 +131,13 @@ int mp_named_sort(struct mp_named *n, const struct mp_request *request,
 	n->of = malloc(((size_t)triangles + 1) * sizeof *n->of);
 	if (n->group == NULL || n->of == NULL)
 		return mp_fail_nomem(err);
-	for (uint32_t i = 0; i < request->named_count; i++)
-		set_density(&n->group[i], request->named[i].density, request->named[i].divisor);
-	set_density(&n->group[n->count - 1], request->density, request->density_divisor);
+	for (uint32_t i = 0; i < request->named_count; i++) {
+		const struct mp_named_density *d = &request->named[i];
+
+		n->group[i].density = mp_density_ball(d->density, d->divisor, d->error);
+	}
+	n->group[n->count - 1].density =
+	    mp_density_ball(request->density, request->density_divisor, request->density_error);
 	if (assign(n, request, names, triangles, err))
 		return -1;
 	return judge(n, request, err);
@@ -196,8 +204,7 @@ bool mp_named_weigh(const struct mp_named *n, const struct mp_solid *whole, stru
 		outward = outward || solid.volume > 0;
 		inward = inward || solid.volume < 0;
 		out->in_range = out->in_range && n->group[g].in_range;
-		solid.volume = n->group[g].density * fabsl(solid.volume);
-		solid.volume_bound *= n->group[g].density;
+		mp_mass_weigh(&solid, n->group[g].density);
 		mp_merge_add(&merge, &solid);
 	}
 	mp_merge_solve(&merge, out);
@@ -211,7 +218,10 @@ struct mp_density mp_named_density_of(const struct mp_named *n, uint32_t body)
 	struct mp_density d = {.asked = true};
 
 	d.defined = n->of_body[body] != MP_NO_GROUP;
-	d.value = d.defined ? n->group[n->of_body[body]].density : 0;
+	if (d.defined) {
+		d.value = n->group[n->of_body[body]].density.mid;
+		d.bound = n->group[n->of_body[body]].density.rad;
+	}
 	return d;
 }
 

@@ -14,7 +14,7 @@
  */
 struct mp_group {
 	uint32_t first, triangles; /* its smallest triangle number; how many there are */
-	long double density;       /* [M/L^3] */
+	struct mp_ball density;    /* [M/L^3] */
 	uint32_t bodies;           /* that are closed and all its own: merged in ${merge} */
 	bool loose; /* some of its triangles lie in another body: the group is summed apart */
 	bool open;  /* it encloses no volume */
@@ -32,16 +32,13 @@ struct mp_named {       /* all 0: no name has a density */
 
 #define MP_NO_GROUP UINT16_MAX /* of a body with faces of several groups */
 
-/* What faces may go by, see struct mp_sink. */
-struct mp_names {
-	const struct mp_parts *materials, *parts;
-};
-
 /*
  * The name of triangle ${t}, ${*len} bytes, "" for none.  ${*end}: the first triangle behind ${t}
- * of which that may not be true.  Where a file has materials its faces go by those alone.
+ * of which that may not be true.  Faces have two names: their part's, or if that has no density
+ * (${other}) their object's.  Where a file has materials its faces have the material's alone.
  */
-const char *mp_named_at(const struct mp_names *, uint64_t t, size_t *len, uint64_t *end);
+const char *mp_named_at(const struct mp_names *, uint64_t t, bool other, size_t *len,
+			uint64_t *end);
 
 /*
  * The steps, in this order.  Where ${request} has no named densities they do nothing.  Each

@@ -18,6 +18,12 @@ void mp_notes_add(struct mp_notes *sum, const struct mp_notes *file)
 	sum->trailing_bytes += file->trailing_bytes;
 	sum->missing_endsolid += file->missing_endsolid;
 	sum->nonstandard_lines += file->nonstandard_lines;
+	sum->vertices_in_file += file->vertices_in_file;
+	sum->points += file->points;
+	sum->lines += file->lines;
+	sum->nonplanar_polygons += file->nonplanar_polygons;
+	sum->tangled_polygons += file->tangled_polygons;
+	sum->nul_bytes += file->nul_bytes;
 	if (sum->quantisation_step < file->quantisation_step)
 		sum->quantisation_step = file->quantisation_step;
 	sum->foreign_code |= file->foreign_code;

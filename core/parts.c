@@ -68,7 +68,7 @@ int mp_parts_add(struct mp_parts *p, uint64_t first, const char *name, size_t le
 
 int mp_parts_end(struct mp_parts *p, uint64_t first, struct mp_error *err)
 {
-	return add(p, first, "", 0, true, err);
+	return p->count == 0 ? 0 : add(p, first, "", 0, true, err);
 }
 
 const struct mp_part *mp_parts_at(const struct mp_parts *p, uint64_t t, uint64_t *end)
@@ -93,7 +93,7 @@ const char *mp_parts_name(const struct mp_parts *p, uint64_t first, uint64_t las
 	const struct mp_part *part = mp_parts_at(p, first, &end);
 
 	*len = 0;
-	if (part == NULL || part->len == 0 || end <= last)
+	if (part == NULL || part->len == 0 || (end <= last && end < UINT64_MAX))
 		return NULL;
 	*len = part->len;
 	return p->pool + part->name;

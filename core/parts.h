@@ -46,4 +46,10 @@ const char *mp_parts_name(const struct mp_parts *, uint64_t first, uint64_t last
 
 void mp_parts_free(struct mp_parts *);
 
+/* By what the triangles of all files go. */
+struct mp_names {
+	struct mp_parts parts, objects; /* STL: solids only */
+	struct mp_parts materials;      /* a file without any is a gap */
+};
+
 #endif

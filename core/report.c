@@ -212,13 +212,12 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 		struct mp_named *named, struct mp_bodies *bodies, struct mp_error *err)
 {
 	const struct mp_mesh mesh = {r->vertices, (const uint32_t(*)[3])r->tri, r->triangles};
-	const struct mp_names names = {&a->materials, &a->parts};
 	struct mp_density density;
 	struct mp_solid whole;
 
 	memcpy(r->box.min, a->moments.min, sizeof r->box.min);
 	memcpy(r->box.max, a->moments.max, sizeof r->box.max);
-	if (mp_named_sort(named, request, &names, mesh.triangles, err) ||
+	if (mp_named_sort(named, request, &a->names, mesh.triangles, err) ||
 	    mp_topology_find(&mesh, request->defects, &r->topology, err) ||
 	    mp_named_bodies(named, &mesh, &r->topology, err) ||
 	    mp_bodies_measure(&mesh, &r->topology, request->bodies, &a->moments, named, &whole,
@@ -232,7 +231,7 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	warn(r);
 	if (mp_bodies_judge(bodies, r, err))
 		return -1;
-	return mp_bodies_list(bodies, &density, named, &a->parts, r, err);
+	return mp_bodies_list(bodies, &density, named, &a->names, r, err);
 }
 
 int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,

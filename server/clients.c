@@ -14,10 +14,21 @@
 #include "server/clock.h"
 #include "server/front_private.h"
 
-enum { ACCEPT_BURST = 64, MOST_CONNECTIONS = 4096 };
+enum { ACCEPT_BURST = 64, LEAST_CONNECTIONS = 256, MOST_CONNECTIONS = 4096 };
 
 static const double keep_alive_s = 75; /* between two requests of a connection */
 static const double fin_grace_s = 1;   /* what a half-closed client sent may still be on its way */
+
+/* How many connections to keep, of ${fds} descriptors. */
+static int most_connections(const struct srv_front *front, int fds)
+{
+	uint64_t fit = front->budget.most / 2 / SRV_CONNECTION_BYTES;
+	int most = fit < LEAST_CONNECTIONS  ? LEAST_CONNECTIONS
+		   : fit > MOST_CONNECTIONS ? MOST_CONNECTIONS
+					    : (int)fit;
+
+	return fds / 2 - 32 < most ? fds / 2 - 32 : most;
+}
 
 int srv_clients_init(struct srv_clients *c, struct srv_front *front)
 {
@@ -29,7 +40,7 @@ int srv_clients_init(struct srv_clients *c, struct srv_front *front)
 	if (getrlimit(RLIMIT_NOFILE, &limit) != 0)
 		return -1;
 	c->entries = limit.rlim_cur > 65536 ? 65536 : (int)limit.rlim_cur;
-	c->most = c->entries / 2 - 32 < MOST_CONNECTIONS ? c->entries / 2 - 32 : MOST_CONNECTIONS;
+	c->most = most_connections(front, c->entries);
 	c->client = calloc((size_t)c->entries, sizeof *c->client);
 	return c->client != NULL && c->most > 0 ? 0 : -1;
 }

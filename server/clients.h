@@ -10,6 +10,8 @@
 struct srv_front;
 struct srv_exchange;
 
+enum { SRV_CONNECTION_BYTES = 128 << 10 }; /* the library's memory for each */
+
 struct srv_client {
 	bool used, served; /* served: it has had an answer before */
 	bool half_closed;  /* it will send no more */
@@ -26,7 +28,10 @@ struct srv_clients {
 	unsigned open;
 };
 
-/* Sized by RLIMIT_NOFILE.  0, or -1. */
+/*
+ * Sized by RLIMIT_NOFILE, and by the memory: the heads of all connections may take half of what
+ * waiting bodies may.  0, or -1.
+ */
 int srv_clients_init(struct srv_clients *, struct srv_front *);
 void srv_clients_free(struct srv_clients *);
 

@@ -8,6 +8,7 @@
 #include "server/clock.h"
 #include "server/front_private.h"
 #include "server/http.h"
+#include "server/reply.h"
 #include "server/route.h"
 
 /* A sender that brings the first bytes at this rate is not worth spooling: its worker may begin. */
@@ -78,6 +79,7 @@ void srv_exchange_free(struct srv_exchange *ex)
 		ex->next->previous = ex->previous;
 	ex->front->in_flight--;
 	ex->front->budget.used -= ex->charged;
+	ex->front->budget.answers -= ex->charged;
 	free(ex->uri);
 	free(ex);
 }
@@ -137,76 +139,24 @@ void srv_exchange_problem(struct srv_exchange *ex, const struct api_problem *p)
 	answered(ex);
 }
 
-/* Fit to stand in a header, a log line and a label of the metrics. */
-static bool plain(const char *text)
+static void refuse(struct srv_exchange *ex, enum api_code code, const char *detail)
 {
-	for (; *text != '\0'; text++)
-		if (*text < 0x20 || *text > 0x7e || *text == '"' || *text == '\\')
-			return false;
-	return true;
-}
+	struct api_problem p;
 
-static bool is_time(double ms)
-{
-	return ms >= 0 && ms < 1e12;
-}
-
-/*
- * The worker's words are copied once and then judged: it may write while we read.  A descriptor
- * must be a file of the length that was said: a pipe would never end.
- */
-static bool sane(struct srv_result *r, int fd)
-{
-	r->format[sizeof r->format - 1] = '\0';
-	r->content_type[sizeof r->content_type - 1] = '\0';
-	if (fd < 0 ? r->len > SRV_ANSWER
-		   : r->len > INT64_MAX || lseek(fd, 0, SEEK_END) != (off_t)r->len)
-		return false;
-	return r->status >= 200 && r->status < 600 && r->code >= 0 && r->code < API_CODES &&
-	       r->content_type[0] != '\0' && plain(r->content_type) && plain(r->format) &&
-	       is_time(r->decode_ms) && is_time(r->analyse_ms);
-}
-
-/* An answer takes memory until its client has read it, which may take its time. */
-static bool afford(struct srv_exchange *ex, uint64_t bytes)
-{
-	struct srv_budget *b = &ex->front->budget;
-
-	if (b->used > 0 && bytes > srv_budget_left(b)) /* the only one may be of any size */
-		return false;
-	b->used += bytes;
-	ex->charged = bytes;
-	return true;
+	(void)api_problem_set(&p, code, "%s", detail);
+	srv_exchange_problem(ex, &p);
 }
 
 void srv_exchange_result(struct srv_exchange *ex, struct srv_segment *segment, int fd)
 {
-	struct srv_reply *reply = &ex->reply;
-	struct api_problem problem;
+	enum api_code code = srv_reply_take(ex, segment, fd);
 
-	ex->result = segment->result;
-	(void)api_problem_set(&problem, API_INTERNAL, "the answer could not be taken over");
-	if (sane(&ex->result, fd) && !afford(ex, ex->result.len)) {
-		(void)api_problem_set(&problem, API_MEMORY_FULL,
-				      "too many large answers are waiting for their clients");
-	} else if (sane(&ex->result, fd)) {
-		reply->len = (size_t)ex->result.len;
-		reply->fd = fd;
-		reply->body = fd >= 0 ? NULL : malloc(reply->len > 0 ? reply->len : 1);
-		if (fd >= 0 || reply->body != NULL) {
-			if (fd < 0)
-				memcpy(reply->body, segment->answer, reply->len);
-			reply->status = ex->result.status;
-			reply->code = (enum api_code)ex->result.code;
-			reply->content_type = ex->result.content_type;
-			ex->has_result = true;
-			answered(ex);
-			return;
-		}
-	}
-	if (fd >= 0)
-		close(fd);
-	srv_exchange_problem(ex, &problem);
+	if (code == API_OK)
+		answered(ex);
+	else
+		refuse(ex, code,
+		       code == API_INTERNAL ? "the answer could not be taken over"
+					    : "too many answers are waiting for their clients");
 }
 
 void srv_exchange_abort(struct srv_exchange *ex)
@@ -219,14 +169,6 @@ void srv_exchange_abort(struct srv_exchange *ex)
 }
 
 /* ---- the body ---- */
-
-static void refuse(struct srv_exchange *ex, enum api_code code, const char *detail)
-{
-	struct api_problem p;
-
-	(void)api_problem_set(&p, code, "%s", detail);
-	srv_exchange_problem(ex, &p);
-}
 
 static void check_size(struct srv_exchange *ex)
 {

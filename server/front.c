@@ -183,7 +183,7 @@ static int set_up(struct srv_front *f)
 int srv_front_run(const struct srv_front_gift *gift)
 {
 	struct srv_front f = {
-	    .gift = gift, .config = gift->config, .budget = {gift->spool_budget, 0}};
+	    .gift = gift, .config = gift->config, .budget = {.most = gift->spool_budget}};
 	struct srv_order ready = {.kind = SRV_ORDER_READY};
 	char why[200];
 

@@ -17,8 +17,6 @@
 #error "libmicrohttpd 0.9.71 or newer is needed"
 #endif
 
-enum { POOL_BYTES = 128 << 10 }; /* a connection: chunks are at most half of it */
-
 struct srv_http {
 	struct srv_front *front;
 	struct MHD_Daemon *daemon;
@@ -82,11 +80,11 @@ static struct MHD_Response *make_response(struct srv_reply *r)
 {
 	struct MHD_Response *response;
 
-	if (r->fd >= 0) {
-		response = MHD_create_response_from_fd64(r->len, r->fd);
+	response = r->fd >= 0
+		       ? MHD_create_response_from_fd64(r->len, r->fd)
+		       : MHD_create_response_from_buffer(r->len, r->body, MHD_RESPMEM_MUST_FREE);
+	if (response != NULL) {
 		r->fd = -1;
-	} else {
-		response = MHD_create_response_from_buffer(r->len, r->body, MHD_RESPMEM_MUST_FREE);
 		r->body = NULL;
 	}
 	return response;
@@ -169,8 +167,10 @@ static enum MHD_Result on_request(void *cls, struct MHD_Connection *connection, 
 	if (*len > 0) {
 		ssize_t taken = srv_exchange_bytes(ex, (const uint8_t *)bytes, *len);
 
-		if (taken < 0)
+		if (taken < 0) {
+			srv_http_last_words(ex);
 			return MHD_NO;
+		}
 		*len -= (size_t)taken;
 		return *len > 0 ? suspend(ex) : MHD_YES;
 	}
@@ -200,17 +200,10 @@ static void log_access(const struct srv_exchange *ex)
 		srv_log_access(&a);
 }
 
-static void on_completed(void *cls, struct MHD_Connection *connection, void **context,
-			 enum MHD_RequestTerminationCode why)
+static void finish(struct srv_http *h, struct srv_exchange *ex)
 {
-	struct srv_exchange *ex = *context;
-	struct srv_http *h = cls;
-	struct srv_client *client = srv_clients_at(&h->clients, descriptor(connection));
+	struct srv_client *client = srv_clients_at(&h->clients, descriptor(ex->connection));
 
-	(void)why;
-	if (ex == NULL)
-		return;
-	*context = NULL;
 	if (client != NULL) {
 		client->exchange = NULL;
 		client->since = srv_now();
@@ -223,14 +216,31 @@ static void on_completed(void *cls, struct MHD_Connection *connection, void **co
 	srv_exchange_free(ex);
 }
 
+static void on_completed(void *cls, struct MHD_Connection *connection, void **context,
+			 enum MHD_RequestTerminationCode why)
+{
+	(void)connection;
+	(void)why;
+	if (*context != NULL)
+		finish(cls, *context);
+	*context = NULL;
+}
+
 static void on_connection(void *cls, struct MHD_Connection *connection, void **context,
 			  enum MHD_ConnectionNotificationCode what)
 {
 	struct srv_http *h = cls;
+	int fd = descriptor(connection);
+	struct srv_client *client = srv_clients_at(&h->clients, fd);
 
 	(void)context;
-	if (what == MHD_CONNECTION_NOTIFY_CLOSED)
-		srv_clients_closed(&h->clients, descriptor(connection));
+	if (what != MHD_CONNECTION_NOTIFY_CLOSED)
+		return;
+	/* some heads that the library refuses by itself, such as 2,000 parameters, end without
+	 * on_completed() */
+	if (client != NULL && client->exchange != NULL)
+		finish(h, client->exchange);
+	srv_clients_closed(&h->clients, fd);
 }
 
 static void on_error(void *cls, const char *fmt, va_list ap)
@@ -330,7 +340,7 @@ struct srv_http *srv_http_start(struct srv_front *front)
 		    0, NULL, NULL, on_request, h, MHD_OPTION_EXTERNAL_LOGGER, on_error, NULL,
 		    MHD_OPTION_URI_LOG_CALLBACK, on_uri, h, MHD_OPTION_NOTIFY_COMPLETED,
 		    on_completed, h, MHD_OPTION_NOTIFY_CONNECTION, on_connection, h,
-		    MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)POOL_BYTES,
+		    MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)SRV_CONNECTION_BYTES,
 		    MHD_OPTION_CONNECTION_LIMIT, (unsigned)h->clients.most + 8, MHD_OPTION_END);
 	if (h->daemon == NULL) {
 		srv_clients_free(&h->clients);
@@ -342,10 +352,10 @@ struct srv_http *srv_http_start(struct srv_front *front)
 
 void srv_http_stop(struct srv_http *h)
 {
-	/* The library aborts the process when it is stopped with a suspended connection. */
+	/* The library aborts the process when it is stopped with a suspended connection: none may
+	 * stay so, and none become so. */
 	for (struct srv_exchange *ex = h->front->exchanges; ex != NULL; ex = ex->next)
-		if (ex->suspended)
-			srv_exchange_abort(ex);
+		srv_exchange_abort(ex);
 	for (int i = 0; i < 4; i++)
 		(void)MHD_run(h->daemon);
 	MHD_stop_daemon(h->daemon);

@@ -92,8 +92,8 @@ static void worker_died(struct srv_master *m, unsigned i, int status)
 		WIFSIGNALED(status) ? "signal" : "status",
 		WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status));
 	s->pid = 0;
-	if (retired || srv_now() - s->forked > SRV_SPAWN_PAUSE)
-		s->retry = 0; /* lived long enough: replace it at once */
+	if (atomic_load(&s->segment->used) != 0 || srv_now() - s->forked > SRV_SPAWN_PAUSE)
+		s->retry = 0; /* it had begun well: replace it at once */
 	if (m->channel >= 0)
 		(void)srv_channel_send(m->channel, &order, sizeof order, NULL, 0);
 }

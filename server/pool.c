@@ -17,12 +17,7 @@
 
 static const double grace_s = 0.5; /* of a worker that was told to drop its job, or leaves */
 
-static void queue_init(struct srv_queue *q, uint64_t most)
-{
-	q->first = NULL;
-	q->last = &q->first;
-	q->most = (unsigned)most;
-}
+enum { MESSAGES = 16 }; /* of one worker in a row: one that floods must not hold the others up */
 
 int srv_pool_init(struct srv_pool *p, struct srv_front *front)
 {
@@ -39,8 +34,8 @@ int srv_pool_init(struct srv_pool *p, struct srv_front *front)
 		p->worker[i].segment = front->gift->segment[i];
 		p->worker[i].sock = p->worker[i].pidfd = -1;
 	}
-	queue_init(&p->small, asked != 0 ? asked : 64 * workers);
-	queue_init(&p->large, asked != 0 ? asked : 4 * workers);
+	srv_queue_init(&p->small, asked != 0 ? asked : 64 * workers);
+	srv_queue_init(&p->large, asked != 0 ? asked : 4 * workers);
 	return 0;
 }
 
@@ -51,6 +46,20 @@ static int tell(struct srv_worker *w, enum srv_message what, const int *fd, size
 	return srv_channel_send(w->sock, &byte, 1, fd, fds);
 }
 
+/* Nothing that it may say counts any more. */
+static void turn_from(struct srv_pool *p, struct srv_worker *w)
+{
+	w->ended = true;
+	(void)epoll_ctl(p->front->epoll, EPOLL_CTL_DEL, w->sock, NULL);
+}
+
+/* Its end of the socket is closed: it is dead and the master will say how, or it is made so. */
+static void bury(struct srv_pool *p, struct srv_worker *w)
+{
+	turn_from(p, w);
+	(void)syscall(SYS_pidfd_send_signal, w->pidfd, SIGKILL, NULL, 0);
+}
+
 static void kill_worker(struct srv_pool *p, struct srv_worker *w, enum srv_loss cause)
 {
 	if (w->state == SRV_DYING || w->state == SRV_ABSENT)
@@ -58,19 +67,22 @@ static void kill_worker(struct srv_pool *p, struct srv_worker *w, enum srv_loss 
 	srv_metrics_lost(&p->front->metrics, cause);
 	w->state = SRV_DYING;
 	w->exchange = NULL;
-	(void)syscall(SYS_pidfd_send_signal, w->pidfd, SIGKILL, NULL, 0);
+	bury(p, w);
 }
 
 void srv_pool_add(struct srv_pool *p, unsigned slot, pid_t pid, int sock, int pidfd)
 {
 	struct srv_worker *w;
 
-	if (slot >= p->workers || p->worker[slot].state != SRV_ABSENT) {
+	if (slot >= p->workers) {
 		close(sock);
 		close(pidfd);
 		return;
 	}
 	w = &p->worker[slot];
+	if (w->state != SRV_ABSENT) /* the master could not get its word on the last one through */
+		srv_pool_gone(p, slot, w->pid, SIGKILL);
+	w->ended = false;
 	w->sock = sock;
 	w->pidfd = pidfd;
 	w->pid = pid;
@@ -125,11 +137,6 @@ void srv_pool_gone(struct srv_pool *p, unsigned slot, pid_t pid, int status)
 	}
 }
 
-static void learn(struct srv_queue *q, double seconds)
-{
-	q->service = q->service == 0 ? seconds : 0.9 * q->service + 0.1 * seconds;
-}
-
 static void answered(struct srv_pool *p, struct srv_worker *w, int fd)
 {
 	struct srv_exchange *ex = w->exchange;
@@ -137,21 +144,28 @@ static void answered(struct srv_pool *p, struct srv_worker *w, int fd)
 	w->state = w->segment->result.retire != 0 ? SRV_LEAVING : SRV_IDLE;
 	w->since = srv_now();
 	w->exchange = NULL;
+	if (w->state == SRV_LEAVING)
+		turn_from(p, w);
 	if (ex == NULL) { /* cancelled meanwhile */
 		if (fd >= 0)
 			close(fd);
 		return;
 	}
 	ex->worker = NULL;
-	learn(ex->small ? &p->small : &p->large, srv_now() - ex->dispatched);
+	srv_queue_learn(ex->small ? &p->small : &p->large, srv_now() - ex->dispatched);
 	srv_exchange_result(ex, w->segment, fd);
+}
+
+static bool hears(const struct srv_worker *w)
+{
+	return w->state == SRV_BUSY || w->state == SRV_CANCELLING || w->state == SRV_IDLE;
 }
 
 void srv_pool_hear(struct srv_pool *p, unsigned slot)
 {
 	struct srv_worker *w = &p->worker[slot];
 
-	while (w->state == SRV_BUSY || w->state == SRV_CANCELLING || w->state == SRV_IDLE) {
+	for (int i = 0; i < MESSAGES && hears(w); i++) {
 		int fd = -1;
 		size_t fds = 1;
 		char byte;
@@ -159,12 +173,12 @@ void srv_pool_hear(struct srv_pool *p, unsigned slot)
 
 		if (fds == 0)
 			fd = -1;
-		if (n <= 0) {
-			if (n ==
-			    0) /* it is dying; the master will say so: do not spin on the end */
-				(void)epoll_ctl(p->front->epoll, EPOLL_CTL_DEL, w->sock, NULL);
+		if (n < 0 && errno == ECONNRESET) /* it died with mail unread: hear its own */
+			continue;
+		if (n == 0)
+			bury(p, w);
+		if (n <= 0)
 			break;
-		}
 		if (byte == SRV_MSG_ANSWER && w->state != SRV_IDLE) {
 			answered(p, w, fd);
 			continue;
@@ -182,7 +196,8 @@ void srv_pool_hear(struct srv_pool *p, unsigned slot)
 static struct srv_worker *idle(const struct srv_pool *p, bool lane)
 {
 	for (unsigned i = 0; i < p->workers; i++)
-		if (p->worker[i].state == SRV_IDLE && p->worker[i].lane == lane)
+		if (p->worker[i].state == SRV_IDLE && p->worker[i].lane == lane &&
+		    !p->worker[i].ended)
 			return &p->worker[i];
 	return NULL;
 }
@@ -205,28 +220,8 @@ int srv_pool_enqueue(struct srv_pool *p, struct srv_exchange *ex)
 
 	if (!srv_pool_accepts(p, ex->small))
 		return -1;
-	ex->queued = true;
-	ex->queued_at = srv_now();
-	ex->behind = NULL;
-	*q->last = ex;
-	q->last = &ex->behind;
-	q->length++;
+	srv_queue_add(q, ex);
 	return 0;
-}
-
-static void unqueue(struct srv_queue *q, struct srv_exchange *ex)
-{
-	for (struct srv_exchange **at = &q->first; *at != NULL; at = &(*at)->behind) {
-		if (*at != ex)
-			continue;
-		*at = ex->behind;
-		if (q->last == &ex->behind)
-			q->last = at;
-		q->length--;
-		break;
-	}
-	ex->queued = false;
-	ex->behind = NULL;
 }
 
 static void set_words(struct srv_words *words, const struct srv_exchange *ex)
@@ -243,16 +238,15 @@ static void set_words(struct srv_words *words, const struct srv_exchange *ex)
 	words->spooled = ex->body.spooled;
 }
 
-/* A free worker takes ${ex}: what has come of the body goes over, the rest will follow. */
-static void start(struct srv_worker *w, struct srv_exchange *ex)
+/*
+ * A free worker takes ${ex}: what has come of the body goes over, the rest will follow.  False
+ * where the worker died just now; ${ex} is as it was.
+ */
+static bool start(struct srv_pool *p, struct srv_worker *w, struct srv_exchange *ex)
 {
 	double now = srv_now();
 	bool wake;
 
-	ex->worker = w;
-	ex->dispatched = now;
-	w->exchange = ex;
-	w->state = SRV_BUSY;
 	srv_ring_reset(w->segment);
 	set_words(&w->segment->words, ex);
 	w->segment->queue_ms = 1e3 * (now - ex->queued_at);
@@ -262,11 +256,19 @@ static void start(struct srv_worker *w, struct srv_exchange *ex)
 		w->segment->receive_ms = 1e3 * (ex->last_byte - ex->began);
 		srv_ring_end(w->segment, &wake);
 	}
-	/* A failure means that it died just now: the master's word on it settles this request. */
-	(void)tell(w, SRV_MSG_JOB, &ex->body.fd, ex->body.fd >= 0);
+	atomic_store(&w->segment->used, 1);
+	if (tell(w, SRV_MSG_JOB, &ex->body.fd, ex->body.fd >= 0) != 0) {
+		bury(p, w);
+		return false;
+	}
+	ex->worker = w;
+	ex->dispatched = now;
+	w->exchange = ex;
+	w->state = SRV_BUSY;
 	srv_body_clear(&ex->body);
 	if (!ex->body_ended)
 		srv_http_resume(ex);
+	return true;
 }
 
 size_t srv_pool_put(struct srv_exchange *ex, const uint8_t *bytes, size_t len)
@@ -303,8 +305,8 @@ void srv_pool_dispatch(struct srv_pool *p)
 		}
 		if (w == NULL || ex == NULL)
 			return;
-		unqueue(ex->small ? &p->small : &p->large, ex);
-		start(w, ex);
+		if (start(p, w, ex))
+			srv_queue_remove(ex->small ? &p->small : &p->large, ex);
 	}
 }
 
@@ -314,7 +316,7 @@ void srv_pool_drop(struct srv_pool *p, struct srv_exchange *ex)
 	bool wake;
 
 	if (ex->queued)
-		unqueue(ex->small ? &p->small : &p->large, ex);
+		srv_queue_remove(ex->small ? &p->small : &p->large, ex);
 	if (w == NULL)
 		return;
 	ex->worker = NULL;

@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include "server/exchange.h"
+#include "server/queue.h"
 #include "server/segment.h"
 
 /* The front's view of the workers and of the requests that wait for one. */
@@ -21,18 +22,13 @@ enum srv_worker_state {
 struct srv_worker {
 	enum srv_worker_state state;
 	unsigned slot;
-	bool lane; /* takes small bodies only */
+	bool lane;  /* takes small bodies only */
+	bool ended; /* its socket has: no job for it, it is dead or will be soon */
 	int sock, pidfd;
 	pid_t pid;
 	struct srv_segment *segment;
 	struct srv_exchange *exchange; /* while BUSY */
 	double since;                  /* of CANCELLING and LEAVING */
-};
-
-struct srv_queue {
-	struct srv_exchange *first, **last;
-	unsigned length, most;
-	double service; /* seconds of work a request, a moving mean; for Retry-After */
 };
 
 struct srv_pool {

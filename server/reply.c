@@ -1,8 +1,13 @@
 #include "server/reply.h"
 
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "server/clock.h"
+#include "server/front_private.h"
 
 typedef void adder(void *to, const char *name, const char *value);
 
@@ -65,4 +70,92 @@ void srv_reply_headers(const struct srv_exchange *ex, adder *add, void *to)
 	}
 	if (r->close)
 		add(to, "Connection", "close");
+}
+
+/* ---- what a worker answers ---- */
+
+/* Fit to stand in a header, a log line and a label of the metrics. */
+static bool plain(const char *text)
+{
+	for (; *text != '\0'; text++)
+		if (*text < 0x20 || *text > 0x7e || *text == '"' || *text == '\\')
+			return false;
+	return true;
+}
+
+static bool is_time(double ms)
+{
+	return ms >= 0 && ms < 1e12;
+}
+
+/*
+ * The worker's words are copied once and then judged: it may write while we read.  A descriptor
+ * must be a file of the length that was said: a pipe would never end.
+ */
+static bool sane(struct srv_result *r, int fd)
+{
+	r->format[sizeof r->format - 1] = '\0';
+	r->content_type[sizeof r->content_type - 1] = '\0';
+	if (fd < 0 ? r->len > SRV_ANSWER
+		   : r->len > INT64_MAX || lseek(fd, 0, SEEK_END) != (off_t)r->len)
+		return false;
+	return r->status >= 200 && r->status < 600 && r->code >= 0 && r->code < API_CODES &&
+	       r->content_type[0] != '\0' && plain(r->content_type) && plain(r->format) &&
+	       is_time(r->decode_ms) && is_time(r->analyse_ms);
+}
+
+/*
+ * An answer takes memory until its client has read it, which may take its time: all of them have
+ * half of the budget, so that uploads keep the rest.
+ */
+static bool afford(struct srv_exchange *ex, uint64_t bytes)
+{
+	struct srv_budget *b = &ex->front->budget;
+	uint64_t left = b->answers < b->most / 2 ? b->most / 2 - b->answers : 0;
+
+	if (left > srv_budget_left(b))
+		left = srv_budget_left(b);
+	if (bytes > left && b->answers > 0) /* the only one may be of any size */
+		return false;
+	b->used += bytes;
+	b->answers += bytes;
+	ex->charged = bytes;
+	return true;
+}
+
+/* The bytes of the answer: 0, or -1 where memory is out; then ${fd} is still the caller's. */
+static int take_over(struct srv_exchange *ex, const struct srv_segment *segment, int fd)
+{
+	struct srv_reply *r = &ex->reply;
+
+	r->len = (size_t)ex->result.len;
+	r->fd = fd;
+	if (fd >= 0)
+		return 0;
+	r->body = malloc(r->len > 0 ? r->len : 1);
+	if (r->body == NULL)
+		return -1;
+	memcpy(r->body, segment->answer, r->len);
+	return 0;
+}
+
+enum api_code srv_reply_take(struct srv_exchange *ex, const struct srv_segment *segment, int fd)
+{
+	enum api_code code = API_OK;
+
+	ex->result = segment->result;
+	if (!sane(&ex->result, fd))
+		code = API_INTERNAL;
+	else if (!afford(ex, ex->result.len) || take_over(ex, segment, fd) != 0)
+		code = API_MEMORY_FULL;
+	if (code != API_OK) {
+		if (fd >= 0)
+			close(fd);
+		return code;
+	}
+	ex->reply.status = ex->result.status;
+	ex->reply.code = (enum api_code)ex->result.code;
+	ex->reply.content_type = ex->result.content_type;
+	ex->has_result = true;
+	return API_OK;
 }

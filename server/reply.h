@@ -7,4 +7,11 @@
 void srv_reply_headers(const struct srv_exchange *ex,
 		       void (*add)(void *to, const char *name, const char *value), void *to);
 
+/*
+ * Make the reply of ${ex} from what its worker left in ${segment} and ${fd} (-1: none; owned from
+ * here on), and charge it to the budget.  API_OK, API_INTERNAL where it makes no sense, or
+ * API_MEMORY_FULL.
+ */
+enum api_code srv_reply_take(struct srv_exchange *ex, const struct srv_segment *segment, int fd);
+
 #endif

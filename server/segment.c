@@ -31,6 +31,8 @@ static void copy_in(struct srv_segment *s, uint64_t head, const uint8_t *bytes, 
 {
 	size_t at = (size_t)(head & (SRV_RING - 1)), first = SRV_RING - at;
 
+	if (len == 0) /* bytes may be NULL then */
+		return;
 	if (first > len)
 		first = len;
 	memcpy(s->ring + at, bytes, first);

@@ -47,6 +47,7 @@ struct srv_segment {
 	_Atomic uint32_t cancelled;    /* nobody wants the answer any more */
 	_Atomic uint32_t front_waits;  /* tell the front when there is room */
 	_Atomic uint32_t worker_waits; /* tell the worker when there are bytes */
+	_Atomic uint32_t used;         /* this worker has been given a job, so its start was good */
 	double receive_ms, queue_ms;   /* set before ended */
 	struct srv_words words;
 	struct srv_result result;

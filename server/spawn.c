@@ -81,6 +81,7 @@ void srv_spawn_worker(struct srv_master *m, unsigned i)
 		srv_log(SRV_ERROR, "no socket for %s: %s", s->role, strerror(errno));
 		return;
 	}
+	atomic_store(&s->segment->used, 0);
 	pid = fork();
 	if (pid == 0) {
 		close(pair[0]);

@@ -36,7 +36,9 @@ struct srv_master {
 	sigset_t old_mask;
 };
 
-/* A start that fails, or a worker that lived for less than this, is tried again after it [s]. */
+/* A start that fails, or a worker that ended in less than this without a job, is tried again after
+ * it [s].  One that was killed at work is replaced at once, or whoever leaves early could keep all
+ * of them away. */
 #define SRV_SPAWN_PAUSE 0.2
 
 /* Fork the worker of slot ${i} and hand its socket to the front.  Failures are logged; retry is

@@ -116,7 +116,8 @@ static void copy_text(char *to, size_t size, const char *from)
 	to[n] = '\0';
 }
 
-static void send_answer(struct worker *w, const struct api_answer *a)
+/* Put the answer where the front will look; the descriptor to send along, or -1. */
+static int place_answer(struct worker *w, const struct api_answer *a)
 {
 	struct srv_result *r = &w->segment->result;
 	int fd = -1;
@@ -139,7 +140,27 @@ static void send_answer(struct worker *w, const struct api_answer *a)
 		if (fd < 0 || put_all(fd, a->body, a->len) != 0)
 			_exit(4); /* the front answers for us */
 	}
+	return fd;
+}
+
+/*
+ * The last of a job.  Its memory is given back before the front hears of it: where the file has
+ * damaged the heap, it is this request that pays and not the next one.
+ */
+static void answer(struct worker *w, struct api_job *job)
+{
+	struct api_answer a;
+	int fd;
+
+	api_job_answer(job, w->segment->receive_ms, w->segment->queue_ms, &a);
+	fd = place_answer(w, &a);
+	if (!a.retire) {
+		api_answer_free(&a);
+		api_job_free(job);
+	}
 	tell(w, SRV_MSG_ANSWER, &fd, fd >= 0);
+	if (a.retire)
+		_exit(SRV_EXIT_RETIRED); /* whatever the file did ends with it */
 	if (fd >= 0)
 		close(fd);
 }
@@ -165,23 +186,15 @@ static struct api_job *begin(struct worker *w)
 static void work(struct worker *w, int spool)
 {
 	struct api_job *job = begin(w);
-	struct api_answer answer;
-	bool wanted;
 
 	if (job == NULL)
 		_exit(6); /* no memory even for that: a fresh process is the best answer */
-	wanted =
-	    (w->segment->words.spooled == 0 || feed_spooled(w, job, spool)) && feed_ring(w, job);
-	if (wanted) {
-		api_job_answer(job, w->segment->receive_ms, w->segment->queue_ms, &answer);
-		send_answer(w, &answer);
-		if (answer.retire)
-			_exit(SRV_EXIT_RETIRED); /* whatever the file did ends with it */
-		api_answer_free(&answer);
-	}
-	api_job_free(job);
-	if (!wanted)
+	if ((w->segment->words.spooled == 0 || feed_spooled(w, job, spool)) && feed_ring(w, job)) {
+		answer(w, job);
+	} else {
+		api_job_free(job);
 		tell(w, SRV_MSG_IDLE, NULL, 0);
+	}
 }
 
 void srv_worker_run(const struct srv_config *config, int sock, struct srv_segment *segment)

@@ -68,6 +68,13 @@ static struct mp_request make_request(uint8_t how)
 	request.density_kind = (enum mp_density_kind)(how % 4 % 3);
 	request.density = 2700;
 	request.density_divisor = 1e9;
+	if (how % 16 == 9) { /* a density of its own for what a is the name of, or for nothing */
+		static const struct mp_named_density named[] = {{"a", 1, 7850, 1e9, 0}};
+
+		request.density_kind = MP_DENSITY_GIVEN;
+		request.named = named;
+		request.named_count = 1;
+	}
 	request.has_about = request.has_axis = true;
 	request.axis_direction[how % 3] = 1;
 	return request;

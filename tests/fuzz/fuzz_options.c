@@ -54,6 +54,11 @@ static void judge_request(const struct api_options *o)
 	must(r.bodies <= 10000 && r.defects <= 100000);
 	must(isfinite(r.density) && r.density >= 0 && r.density_divisor >= 1);
 	must((r.density_kind == MP_DENSITY_NONE) == (r.density == 0));
+	must(r.named_count <= MP_MOST_NAMED);
+	for (uint32_t i = 0; i < r.named_count; i++) {
+		must(r.named[i].len > 0 && r.named[i].len <= MP_NAME_MAX);
+		must(isnormal(r.named[i].density / r.named[i].divisor));
+	}
 	for (int k = 0; k < 3; k++) {
 		judge_number(r.about[k]);
 		judge_number(r.axis_origin[k]);
@@ -73,5 +78,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		judge_problem(&p, query, size);
 	else
 		judge_request(&o);
+	api_options_free(&o);
 	return 0;
 }

@@ -7,12 +7,12 @@ from harness import *
 
 NUMBER = r"([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)"
 TURNED = torus((0, 0, 0), 20, 5, 36, 12)
-MESHES = {
+MESHES = {  # admesh takes a file for text unless some byte in the first facets is above 127
     "box": box((0, 0, 0), (40, 30, 20)),
     "wedge": wedge((5, -3, 2), (40, 25, 8)),
     "torus": torus((10, -20, 30), 20, 5, 48, 24),
     "sphere": sphere((1, 2, 3), 10, 40),
-    "two bodies": box((0, 0, 0), (10, 10, 10)) + sphere((50, 0, 0), 5, 20),
+    "two bodies": box((0, 0, 0), (10.1, 10, 10)) + sphere((50, 0, 0), 5, 20),
     "cavity": sphere((0, 0, 0), 10, 24) + flip(box((-1, -2, -3), (2, 4, 6))),
     "open box": box((0, 0, 0), (40, 30, 20))[2:],
     "open torus": TURNED[:100] + TURNED[101:300] + TURNED[302:],
@@ -44,6 +44,8 @@ def compare(d, name, mesh, path):
         with open(path, "wb") as f:
             f.write(data)
         theirs, text = second_opinion(path)
+        if not check(f"{name}, {kind}: admesh has an opinion", None not in theirs["low"], text):
+            continue
         ours = d.post(data, query="unit=mm").json
         said = f"{theirs}\n{ours['mesh']}\n{ours['checks']}\n{ours['properties']}\n{text}"
         mesh_part, checks = ours["mesh"], ours["checks"]

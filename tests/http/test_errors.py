@@ -66,8 +66,10 @@ def test_file_faults(d):
         a = d.post(data)
         check(f"{name}: refused as the file's fault", a.status == 422
               and not problem_faults(a, 422, a.json["code"]), a)
-    for name, data in (("an OBJ", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),):
-        check_problem(f"{name}: not yet", d.post(data), 422, "unsupported_feature")
+    for word in ("call part.obj", "csh rm -r x"):
+        data = b"v 0 0 0\nv 1 0 0\nv 0 1 0\n%s\nf 1 2 3\n" % word.encode()
+        check_problem(f"an OBJ that says {word.split()[0]}", d.post(data), 422,
+                      "unsupported_feature", line=4)
     a = d.post(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", query="format=stl")
     check_problem("a file that is not what format says", a, 400, "type_mismatch", option="format")
 
@@ -130,7 +132,7 @@ def test_sizes():
                       "truncated")
     with Daemon("--workers", "1", "--max-decoded", "600") as d:
         check_problem("a file over the decoded limit", d.post(FILE), 413, "decoded_too_large",
-                      limit=600, actual=684)
+                      limit=600, actual=True)
 
 
 def test_queue_full():

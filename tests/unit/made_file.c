@@ -16,6 +16,9 @@ static int send_names(const struct delivery *d, struct mp_error *err)
 	for (const struct made_range *r = d->file.parts; r != NULL && r->name != NULL; r++)
 		if (s->part(s->self, r->first, r->name, strlen(r->name), err))
 			return -1;
+	for (const struct made_range *r = d->file.objects; r != NULL && r->name != NULL; r++)
+		if (s->object(s->self, r->first, r->name, strlen(r->name), err))
+			return -1;
 	for (const struct made_range *r = d->file.materials; r != NULL && r->name != NULL; r++)
 		if (s->material(s->self, r->first, r->name, strlen(r->name), err))
 			return -1;

@@ -15,8 +15,8 @@ struct made_range {
 
 struct made_file {
 	const struct mesh *mesh;
-	const uint32_t (*index)[3];                 /* of every triangle; NULL: no numbers */
-	const struct made_range *parts, *materials; /* NULL: none */
+	const uint32_t (*index)[3]; /* of every triangle; NULL: no numbers */
+	const struct made_range *parts, *objects, *materials; /* NULL: none */
 };
 
 /* All of it but the report.  NULL with ${err}. */

@@ -415,6 +415,21 @@ static void every_prefix_is_cut_off(void **state)
 	}
 }
 
+/* All that the bytes say comes out at once, also where it is more than a piece. */
+static void nothing_is_held_back(void **state)
+{
+	(void)state;
+	make_plain(2 * (128 << 10), 0); /* two blocks of zstd */
+	for (int kind = API_CODING_GZIP; kind < API_CODINGS; kind++) {
+		packed.len = 0;
+		add_packed((enum api_coding_kind)kind, plain.bytes, plain.len);
+		packed.len -= kind == API_CODING_GZIP ? 8 : 4; /* the check */
+		decode_whole((enum api_coding_kind)kind, &packed);
+		assert_bad("ends too early", packed.len);
+		assert_int_equal(whole.out.len, plain.len);
+	}
+}
+
 /* Whatever byte is wrong, the verdict and what came out before it are the same in any pieces. */
 static void damage_shows_alike_in_any_pieces(void **state)
 {
@@ -568,6 +583,7 @@ int main(void)
 	    cmocka_unit_test(what_is_no_zstd_is_refused),
 	    cmocka_unit_test(zstd_windows_are_bounded),
 	    cmocka_unit_test(every_prefix_is_cut_off),
+	    cmocka_unit_test(nothing_is_held_back),
 	    cmocka_unit_test(damage_shows_alike_in_any_pieces),
 	    cmocka_unit_test(blocks_before_the_damage_come_out),
 	    cmocka_unit_test(the_limit_counts_decoded_bytes),

@@ -371,6 +371,7 @@ static void bad_heads_are_refused(void **state)
 	is_bad(PART("name=\"a", "") END, "malformed");
 	is_bad(PART("name=\"a\\\"", "") END, "malformed");
 	is_bad(PART("name=\"a\"b", "") END, "malformed");
+	is_bad(PART("name=\"a\"b=c", "") END, "malformed");
 	is_bad(PART("name=", "") END, "malformed");
 	is_bad(PART("name", "") END, "malformed");
 	is_bad(PART("=a", "") END, "malformed");

@@ -87,6 +87,66 @@ static void test_many_parts(void **state)
 	mp_parts_free(&p);
 }
 
+static void test_the_same_name_goes_on(void **state)
+{
+	struct mp_parts p = {0};
+
+	(void)state;
+	add(&p, 0, "a");
+	add(&p, 4, "a");
+	add(&p, 8, "");
+	add(&p, 9, "");
+	add(&p, 12, "aa");
+	assert_int_equal(p.count, 3);
+	assert_name(&p, 0, 7, "a");
+	assert_name(&p, 0, 8, NULL);
+	assert_name(&p, 12, 100, "aa");
+	mp_parts_free(&p);
+}
+
+/* ${name} NULL: in no part; "": in a part without a name. */
+static void assert_at(const struct mp_parts *p, uint64_t t, const char *name, uint64_t want_end)
+{
+	uint64_t end;
+	const struct mp_part *part = mp_parts_at(p, t, &end);
+
+	assert_true(end == want_end);
+	assert_int_equal(part == NULL, name == NULL);
+	if (part == NULL || name == NULL)
+		return;
+	assert_int_equal(part->len, strlen(name));
+	assert_memory_equal(p->pool + part->name, name, part->len);
+}
+
+static void test_a_gap_is_no_part(void **state)
+{
+	struct mp_parts p = {0};
+	struct mp_error err;
+
+	(void)state;
+	assert_int_equal(mp_parts_end(&p, 3, &err), 0); /* nothing ends */
+	assert_int_equal(p.count, 0);
+	assert_at(&p, 5, NULL, UINT64_MAX);
+	add(&p, 5, "");
+	add(&p, 7, "x");
+	assert_int_equal(mp_parts_end(&p, 9, &err), 0);
+	assert_int_equal(mp_parts_end(&p, 10, &err), 0); /* it goes on */
+	assert_at(&p, 4, NULL, 5);
+	assert_at(&p, 5, "", 7);
+	assert_at(&p, 8, "x", 9);
+	assert_at(&p, 9, NULL, UINT64_MAX);
+	assert_name(&p, 9, 9, NULL);
+	add(&p, 12, "");
+	add(&p, 15, "y");
+	assert_int_equal(mp_parts_end(&p, 15, &err), 0); /* y had no triangles */
+	add(&p, 16, "z");
+	assert_at(&p, 9, NULL, 12);
+	assert_at(&p, 13, "", 15);
+	assert_at(&p, 15, NULL, 16);
+	assert_at(&p, 16, "z", UINT64_MAX);
+	mp_parts_free(&p);
+}
+
 static void test_out_of_memory_keeps_what_was_there(void **state)
 {
 	struct mp_parts p = {0};
@@ -94,7 +154,7 @@ static void test_out_of_memory_keeps_what_was_there(void **state)
 
 	(void)state;
 	for (uint64_t i = 0; i < 16; i++)
-		add(&p, i, "name");
+		add(&p, i, i % 2 == 0 ? "name 0" : "name 1");
 	for (long n = 1; n < 3; n++) {
 		alloc_fail_at(n);
 		assert_int_equal(
@@ -102,7 +162,7 @@ static void test_out_of_memory_keeps_what_was_there(void **state)
 		alloc_fail_at(0);
 		assert_int_equal(err.code, MP_NOMEM);
 		assert_int_equal(p.count, 16);
-		assert_name(&p, 15, 15, "name");
+		assert_name(&p, 15, 15, "name 1");
 		p.pool_room = p.used; /* so that the second round asks for both again */
 	}
 	add(&p, 16, "a name that needs more room, by far");
@@ -116,6 +176,8 @@ int main(void)
 	    cmocka_unit_test(test_ranges_have_names),
 	    cmocka_unit_test(test_same_first_replaces),
 	    cmocka_unit_test(test_many_parts),
+	    cmocka_unit_test(test_the_same_name_goes_on),
+	    cmocka_unit_test(test_a_gap_is_no_part),
 	    cmocka_unit_test(test_out_of_memory_keeps_what_was_there),
 	};
 

@@ -1,0 +1,197 @@
+#include "core/bounds.h"
+
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "core/analysis.h"
+#include "tests/unit/mesh_random.h"
+#include "tests/unit/mesh_truth.h"
+#include "tests/unit/report_of.h"
+
+/*
+ * Every bound of every report against exact arithmetic.  A sanitizer makes GMP and the analysis
+ * many times slower, and sees as much in fewer meshes.
+ */
+#ifdef MP_SANITIZED
+enum { MESHES = 1500 };
+#else
+enum { MESHES = 12000 };
+#endif
+
+enum field { VOLUME, AREA, MASS, CENTROID, INERTIA, ORIGIN, MOMENTS, AXES, RADII, FIELDS };
+
+static const char *const NAMES[FIELDS] = {
+    "volume",	       "surface_area",	    "mass",		  "centroid",
+    "inertia",	       "inertia_about_origin", "principal_moments", "principal_axes_rad",
+    "radii_of_gyration"};
+
+struct tally {
+	long seen[FIELDS], broken[FIELDS];
+	double worst[FIELDS];
+};
+
+static void count(struct tally *t, enum field f, double bound, double ratio)
+{
+	assert_true(isfinite(bound) && bound >= 0);
+	t->seen[f]++;
+	t->broken[f] += !(ratio <= 1);
+	t->worst[f] = fmax(t->worst[f], ratio);
+}
+
+static void check_tensor(struct tally *t, enum field f, struct truth_quotient exact[3][3],
+			 const double value[3][3], double bound)
+{
+	double worst = 0;
+
+	for (int i = 0; i < 9; i++)
+		worst = fmax(worst,
+			     truth_ratio(&exact[i / 3][i % 3], value[i / 3][i % 3], bound));
+	count(t, f, bound, worst);
+}
+
+static void check_axes(struct tally *t, struct truth *o, const struct mp_report *r)
+{
+	const struct mp_principal *p = &r->principal;
+	bool low = p->moments[1] - p->moments[0] < p->moments[2] - p->moments[1];
+	double worst = 0;
+
+	if (p->symmetry == MP_SYMMETRY_SPHERICAL)
+		assert_true(r->bounds.axes >= acos(-1) / 2);
+	for (int k = 0; k < 3; k++) {
+		double angle;
+
+		if (p->symmetry == MP_SYMMETRY_SPHERICAL ||
+		    (p->symmetry == MP_SYMMETRY_AXIAL && k != (low ? 2 : 0)))
+			continue;
+		angle = asin(fmin(truth_sine(o->axis[k], p->axes[k]), 1));
+		worst = fmax(worst, angle * (1 - 1e-15) / r->bounds.axes);
+	}
+	count(t, AXES, r->bounds.axes, worst);
+}
+
+static void check_principal(struct tally *t, struct truth *o, const struct mp_report *r)
+{
+	double moments = 0, radii = 0;
+
+	for (int k = 0; k < 3; k++) {
+		moments = fmax(moments, truth_ratio_root(o->moment[k], r->principal.moments[k],
+							  r->bounds.moments));
+		radii = fmax(radii, truth_ratio_root(o->radius[k], r->radii_of_gyration[k],
+						      r->bounds.radii));
+	}
+	count(t, MOMENTS, r->bounds.moments, moments);
+	if (r->radii_defined)
+		count(t, RADII, r->bounds.radii, radii);
+	check_axes(t, o, r);
+}
+
+static void check_solid(struct tally *t, struct truth *o, const struct mp_report *r)
+{
+	const struct mp_bounds *b = &r->bounds;
+	const struct mp_mass *m = &r->total;
+	double centroid = 0;
+
+	if (m->volume_defined)
+		count(t, VOLUME, b->volume, truth_ratio(&o->volume, m->volume, b->volume));
+	if (m->volume_defined && m->volume != 0)
+		assert_int_equal(o->sign, m->volume > 0 ? 1 : -1);
+	if (o->sign == 0)
+		assert_true(!m->centroid_defined && m->volume == 0);
+	if (o->sign == 0)
+		return;
+	if (m->mass_defined)
+		count(t, MASS, b->mass, truth_ratio(&o->mass, m->mass, b->mass));
+	for (int k = 0; k < 3 && m->centroid_defined; k++)
+		centroid = fmax(centroid, truth_ratio(&o->centroid[k], m->centroid[k], b->centroid));
+	if (m->centroid_defined)
+		count(t, CENTROID, b->centroid, centroid);
+	if (r->inertia_origin_defined)
+		check_tensor(t, ORIGIN, o->about_origin, (const double(*)[3])r->inertia_origin,
+			     b->inertia_origin);
+	if (!m->inertia_defined)
+		return;
+	check_tensor(t, INERTIA, o->central, (const double(*)[3])m->inertia, b->inertia);
+	check_principal(t, o, r);
+}
+
+static struct truth_density draw_density(struct mp_request *request, uint64_t *state)
+{
+	struct truth_density d = {1, 1, 0};
+
+	*request = request_plain();
+	if (random_chance(state, 0.3))
+		return d;
+	if (random_chance(state, 0.3)) {
+		request->density_kind = MP_DENSITY_FROM_MASS;
+		request->density = d.mass = random_between(state, 1e-3, 1e3);
+		return d;
+	}
+	request->density_kind = MP_DENSITY_GIVEN;
+	request->density = d.value = random_between(state, 1e-3, 1e4);
+	request->density_divisor = d.divisor = random_between(state, 1, 1e9);
+	return d;
+}
+
+static void check_mesh(struct tally *t, struct truth *o, uint64_t *state)
+{
+	struct mp_request request;
+	struct truth_density density = draw_density(&request, state);
+	struct random_mesh random;
+	struct mp_report r;
+
+	mesh_random(&random, state);
+	if (random.mesh.count > 4 && random_chance(state, 0.02))
+		random.mesh.count--; /* open: it has an area */
+	if (random.narrow)
+		report_of_binary(&random.mesh, &request, &r);
+	else
+		report_of_ascii(&random.mesh, &request, &r);
+	truth_find(o, &random.mesh, &density);
+	if (r.total.area_defined)
+		count(t, AREA, r.bounds.area,
+		      truth_ratio_root(o->area, r.total.area, r.bounds.area));
+	if (r.topology.closed)
+		check_solid(t, o, &r);
+	mp_report_free(&r);
+	mesh_free(&random.mesh);
+}
+
+/*
+ * Worst error over bound found: between 1e-3 and 1, so that the bounds hold and say something.
+ */
+static void test_no_result_is_beyond_its_bound(void **unused)
+{
+	struct tally t = {0};
+	uint64_t state = 20061;
+	struct truth o;
+
+	(void)unused;
+	truth_init(&o);
+	for (int i = 0; i < MESHES; i++)
+		check_mesh(&t, &o, &state);
+	truth_clear(&o);
+	for (int f = 0; f < FIELDS; f++)
+		print_message("# %-20s %6ld checked, %ld beyond, worst error/bound %.3g\n",
+			      NAMES[f], t.seen[f], t.broken[f], t.worst[f]);
+	for (int f = 0; f < FIELDS; f++) {
+		assert_int_equal(t.broken[f], 0);
+		assert_true(t.seen[f] > MESHES / 2);
+		assert_true(t.worst[f] > 1e-3);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(test_no_result_is_beyond_its_bound),
+	};
+
+	return cmocka_run_group_tests_name("bounds", tests, NULL, NULL);
+}
