@@ -59,7 +59,7 @@ int api_named_add(struct api_named *n, const struct api_value *v, double density
 {
 	size_t len;
 	const char *name = inner(v, &len);
-	char *copy;
+	struct api_name *new;
 
 	if (len > MP_NAME_MAX)
 		return api_problem_option(v->problem, API_BAD_OPTION, v->name, v->name_len,
@@ -75,11 +75,11 @@ int api_named_add(struct api_named *n, const struct api_value *v, double density
 	}
 	if (reserve(n))
 		return too_expensive(v->problem);
-	copy = malloc(len);
-	if (copy == NULL)
+	new = &n->list[n->count];
+	*new = (struct api_name){malloc(len), len, density};
+	if (new->text == NULL)
 		return too_expensive(v->problem);
-	memcpy(copy, name, len);
-	n->list[n->count] = (struct api_name){copy, len, density};
+	memcpy(new->text, name, len);
 	n->count++;
 	return 0;
 }
@@ -135,7 +135,7 @@ void api_named_request(const struct api_options *o, struct mp_request *out)
 		struct api_ratio density = in_file_units(o, i);
 
 		n->request[i] = (struct mp_named_density){n->list[i].text, n->list[i].len,
-							  density.num, density.den, 0};
+							  density.num, density.den, density.error};
 	}
 	out->named = n->request;
 	out->named_count = n->count;

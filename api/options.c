@@ -116,6 +116,7 @@ void api_options_request(const struct api_options *o, struct mp_request *out)
 	out->density_kind = MP_DENSITY_NONE;
 	out->density = 0;
 	out->density_divisor = 1;
+	out->density_error = 0;
 	if (o->has_mass) {
 		out->density_kind = MP_DENSITY_FROM_MASS;
 		out->density = o->mass;
@@ -124,6 +125,7 @@ void api_options_request(const struct api_options *o, struct mp_request *out)
 		density = density_in(o, API_DENSITY_FILE);
 		out->density = density.num;
 		out->density_divisor = density.den;
+		out->density_error = density.error;
 	}
 	api_named_request(o, out);
 	out->has_about = o->has_about;

@@ -1,5 +1,6 @@
 #include "api/units.h"
 
+#include <float.h>
 #include <math.h>
 
 /* 10^22 is the last power of ten that a double holds; 10^15 - 1 has 15 digits. */
@@ -45,17 +46,27 @@ static struct factor inverse(struct factor a)
 	return (struct factor){-a.ten, -a.inch, -a.foot, -a.pound};
 }
 
+/* io *= by; a product that had to be rounded is one unit in the last place off at most. */
+static void multiply(double *io, double by, double *error)
+{
+	double product = *io * by;
+
+	if (fma(*io, by, -product) != 0)
+		*error += DBL_EPSILON;
+	*io = product;
+}
+
 static void raise(struct api_ratio *r, double base, int exponent)
 {
 	for (; exponent > 0; exponent--)
-		r->num *= base;
+		multiply(&r->num, base, &r->error);
 	for (; exponent < 0; exponent++)
-		r->den *= base;
+		multiply(&r->den, base, &r->error);
 }
 
 static struct api_ratio ratio(struct factor f)
 {
-	struct api_ratio r = {1, 1};
+	struct api_ratio r = {1, 1, 0};
 
 	raise(&r, 16387064, f.inch);
 	raise(&r, 1728, f.foot);
@@ -101,7 +112,7 @@ struct api_ratio api_units_convert(double x, enum api_density_unit from, enum ap
 
 	f.ten -= decimal(x, &n);
 	r = ratio(f);
-	r.num *= n;
+	multiply(&r.num, n, &r.error);
 	return r;
 }
 

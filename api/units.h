@@ -17,6 +17,7 @@ extern const char *const api_mass_unit_names[API_MASS_UNITS];
  */
 struct api_ratio {
 	double num, den;
+	double error; /* num/den is at most this off, relative; nearly always 0 */
 };
 
 /*

@@ -79,6 +79,19 @@ static const struct api_warning rows[WARNINGS] = {
 	 "Some of the solids that have densities by name are wound outward and others inward. "
 	 "Each weighs as the solid it means, but their volumes are partly subtracted: turn those "
 	 "that are inside out."},
+    [MP_WARN_NONPLANAR] = {"nonplanar_polygons", "Some polygons are not flat, so their surface "
+						 "depends on the diagonals along which they are "
+						 "split into triangles. Other programs may choose "
+						 "others, with a slightly different volume and "
+						 "area. Send triangles if that matters."},
+    [MP_WARN_TANGLED] =
+	{"tangled_polygons",
+	 "Some polygons cross themselves. The surface area is too large for them; the volume is "
+	 "not "
+	 "affected if they are flat. Split them into simple polygons and send the file again."},
+    [MP_WARN_NUL_BYTES] =
+	{"nul_bytes", "The file ends with NUL characters, as some programs write them. They were "
+		      "passed over."},
     [UNIT_ASSUMED] =
 	{"unit_assumed",
 	 "No unit was given and the file does not say one, so its numbers were taken as "

@@ -64,8 +64,7 @@ struct mp_ball mp_ball_mul(struct mp_ball a, struct mp_ball b)
 {
 	if (is_zero(a) || is_zero(b))
 		return mp_ball_exact(0);
-	return rounded(a.mid * b.mid,
-		       fabsl(a.mid) * b.rad + fabsl(b.mid) * a.rad + a.rad * b.rad);
+	return rounded(a.mid * b.mid, fabsl(a.mid) * b.rad + fabsl(b.mid) * a.rad + a.rad * b.rad);
 }
 
 struct mp_ball mp_ball_div(struct mp_ball a, struct mp_ball b)

@@ -3,14 +3,17 @@
 
 #include "core/bodies.h"
 
-/* The part of body ${i}, or where it has several their object. */
+/* The part of body ${i}, or where it has several their object, or else its material. */
 static const char *find_name(const struct mp_bodies *b, uint32_t i, const struct mp_names *names,
 			     size_t *len)
 {
-	uint32_t first = b->order[b->start[i]], last = b->order[b->start[i + 1] - 1];
-	const char *name = mp_parts_name(&names->parts, first, last, len);
+	const struct mp_parts *const from[] = {&names->parts, &names->objects, &names->materials};
+	const uint32_t *tri = b->order + b->start[i];
+	const char *name = NULL;
 
-	return name != NULL ? name : mp_parts_name(&names->objects, first, last, len);
+	for (size_t k = 0; k < 3 && name == NULL; k++)
+		name = mp_parts_name(from[k], tri, b->start[i + 1] - b->start[i], len);
+	return name;
 }
 
 /* Names are copied behind each other; body[].name is set when the pool no longer moves. */

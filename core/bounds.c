@@ -48,9 +48,8 @@ double mp_bounds_of_tensor(const struct mp_solid *s, struct mp_ball mass,
 		struct mp_ball row = mp_ball_exact(0);
 
 		for (int j = 0; j < 3; j++)
-			row = mp_ball_add(
-			    row, mp_ball_exact(mp_ball_distance(entry(s, mass, i, j, false),
-								inertia[i][j])));
+			row = mp_ball_add(row, mp_ball_exact(mp_ball_distance(
+						   entry(s, mass, i, j, false), inertia[i][j])));
 		largest = fmax(largest, mp_round_up(mp_ball_most(row)));
 	}
 	return largest;
@@ -62,8 +61,8 @@ static double turn(const struct mp_principal *p, int k, double tensor, double mo
 	long double sine, gap = INFINITY;
 
 	for (int j = 0; j < 3; j++) {
-		struct mp_ball apart = mp_ball_abs(mp_ball_sub(mp_ball_exact(p->moments[j]),
-							       mp_ball_exact(p->moments[k])));
+		struct mp_ball apart = mp_ball_abs(
+		    mp_ball_sub(mp_ball_exact(p->moments[j]), mp_ball_exact(p->moments[k])));
 
 		apart = mp_ball_sub(apart, mp_ball_exact(moments));
 		if (j != k)
@@ -95,20 +94,20 @@ static void find_principal(const struct mp_solid *heavy, struct mp_ball mass, st
 	double tensor = mp_bounds_of_tensor(heavy, mass, inertia);
 	struct mp_bounds *b = &r->bounds;
 
-	b->moments = mp_round_up(mp_ball_most(
-	    mp_ball_add(mp_ball_exact(tensor), mp_ball_exact(r->principal.error))));
+	b->moments = mp_round_up(
+	    mp_ball_most(mp_ball_add(mp_ball_exact(tensor), mp_ball_exact(r->principal.error))));
 	b->axes = farthest_axis(&r->principal, tensor, b->moments);
 	for (int k = 0; k < 3 && r->radii_defined; k++) {
 		struct mp_ball square =
 		    mp_ball_div(mp_ball(r->principal.moments[k], b->moments), mass);
 
-		b->radii = fmax(b->radii, mp_ball_distance(mp_ball_sqrt(square),
-							   r->radii_of_gyration[k]));
+		b->radii =
+		    fmax(b->radii, mp_ball_distance(mp_ball_sqrt(square), r->radii_of_gyration[k]));
 	}
 }
 
-void mp_bounds_find(const struct mp_solid *whole, const struct mp_solid *heavy,
-		    struct mp_ball mass, struct mp_report *r)
+void mp_bounds_find(const struct mp_solid *whole, const struct mp_solid *heavy, struct mp_ball mass,
+		    struct mp_report *r)
 {
 	const struct mp_mass *m = &r->total;
 	struct mp_bounds *b = &r->bounds;
@@ -121,9 +120,10 @@ void mp_bounds_find(const struct mp_solid *whole, const struct mp_solid *heavy,
 	if (m->mass_defined)
 		b->mass = mp_ball_distance(mass, m->mass);
 	for (int k = 0; k < 3 && m->centroid_defined; k++)
-		b->centroid = fmax(b->centroid, mp_ball_distance(mp_ball(heavy->centroid[k],
-									 heavy->centroid_bound[k]),
-								 m->centroid[k]));
+		b->centroid =
+		    fmax(b->centroid,
+			 mp_ball_distance(mp_ball(heavy->centroid[k], heavy->centroid_bound[k]),
+					  m->centroid[k]));
 	if (r->inertia_origin_defined)
 		b->inertia_origin =
 		    farthest(heavy, mass, (const double(*)[3])r->inertia_origin, true);

@@ -58,7 +58,7 @@ double mp_bounds_of_tensor(const struct mp_solid *solid, struct mp_ball mass,
  * Fill report->bounds for what the report holds.  ${whole}: the solid; ${heavy}: the same with the
  * mass in the place of the volume where densities differ, else ${whole}; ${mass}: its mass.
  */
-void mp_bounds_find(const struct mp_solid *whole, const struct mp_solid *heavy,
-		    struct mp_ball mass, struct mp_report *report);
+void mp_bounds_find(const struct mp_solid *whole, const struct mp_solid *heavy, struct mp_ball mass,
+		    struct mp_report *report);
 
 #endif

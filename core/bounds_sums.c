@@ -4,10 +4,10 @@
 #include "core/bounds.h"
 
 /* See bounds.h for where the constants come from. */
-#define U        0x1p-53L
-#define H        0x1p-1074L
-#define SLACK    (1 + 0x1p-20L)
-#define SQRT_H   0x1p-536L /* > sqrt(3/2 H) */
+#define U      0x1p-53L
+#define H      0x1p-1074L
+#define SLACK  (1 + 0x1p-20L)
+#define SQRT_H 0x1p-536L /* > sqrt(3/2 H) */
 
 static const int AXES[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
 

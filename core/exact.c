@@ -7,9 +7,10 @@
 
 static const int AXES[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
 
-/* Sums on their way: those of triangles on the grid, and of those that are not. */
+/* Sums on their way, by what their triangles went through. */
 struct sums {
 	struct mp_fixed fixed[MP_EXACT_SUMS];
+	mp_i128 digits[MP_EXACT_SUMS][MP_EXACT_COLUMNS];
 	struct mp_big gmp[MP_EXACT_SUMS];
 };
 
@@ -32,7 +33,8 @@ static void add_off_grid(const struct mp_mesh *mesh, const struct mp_exact_grid 
 
 	for (int k = 0; k < 3; k++)
 		mp_vertices_get(mesh->vertices, corner[k], &tri[3 * k]);
-	mp_exact_gmp_add(sums->gmp, grid->axis, tri);
+	if (grid->bits == 0 || !mp_exact_digits_add(sums->digits, grid, tri))
+		mp_exact_gmp_add(sums->gmp, grid->axis, tri);
 }
 
 static void add_all(const struct mp_mesh *mesh, const struct mp_exact_grid *grid,
@@ -72,11 +74,14 @@ static void join(const struct mp_exact_axis axis[3], struct sums *sums)
 	for (int i = 0; i < MP_EXACT_SUMS; i++) {
 		struct mp_fixed *fixed = &sums->fixed[i];
 		int sign = mp_fixed_negative(fixed) ? -1 : 1;
+		int unit = unit_of(axis, i), coordinates = i == 0 ? 3 : i < 4 ? 4 : 5;
 		struct mp_big x;
 
 		if (sign < 0)
 			mp_fixed_negate(fixed);
-		mp_big_set_limbs(&x, sign, fixed->limb, MP_FIXED_LIMBS, unit_of(axis, i));
+		mp_big_set_limbs(&x, sign, fixed->limb, MP_FIXED_LIMBS, unit);
+		mp_big_add(&sums->gmp[i], &x, 1, &sums->gmp[i]);
+		mp_exact_digits_get((const mp_i128 *)sums->digits[i], unit, coordinates, &x);
 		mp_big_add(&sums->gmp[i], &x, 1, &sums->gmp[i]);
 	}
 }
@@ -112,6 +117,7 @@ int mp_exact_find(const struct mp_mesh *mesh, const struct mp_exact_grid *grid,
 
 	memset(out, 0, sizeof *out);
 	memset(sums.fixed, 0, sizeof sums.fixed);
+	memset(sums.digits, 0, sizeof sums.digits);
 	for (int i = 0; i < MP_EXACT_SUMS; i++)
 		mp_big_set(&sums.gmp[i], 0, 0, 0);
 	add_all(mesh, grid, order, count, &sums);

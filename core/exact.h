@@ -15,8 +15,9 @@
  * A finite double is an integer times a power of two, and so are the sums of core/moments.h:
  * A0 = sum d, A1 = sum d*s, A2ij = sum d*((a+b)i*(a+b)j + (b+c)i*(b+c)j + (c+a)i*(c+a)j) with
  * d = a.((b-a)x(c-a)), s = a+b+c and corners about a common origin.  Triangles whose coordinates
- * lie on a grid of 62 bits an axis go through integers of fixed width (exact_fixed.c), the others
- * through GMP (exact_gmp.c); one mesh may need both.  For a mesh that is closed the results do not
+ * lie on a grid of 62 bits an axis go through integers of fixed width (exact_fixed.c), those on one
+ * of 116 bits through integers of twice that width (exact_digits.c), the others through GMP
+ * (exact_gmp.c); one mesh may need them all.  For a mesh that is closed the results do not
  * depend on the origin; for any other they mean nothing.
  */
 
@@ -35,8 +36,9 @@ struct mp_exact_grid {
 	 * triangle goes through GMP; never found, for tests to set.
 	 */
 	unsigned bits;
-	bool lossless;   /* no vertex is off the grid */
-	int64_t (*q)[3]; /* per vertex */
+	bool lossless;      /* no vertex is off the grid */
+	double scale[3][2]; /* 2^-exponent in two factors, either of which a double holds */
+	int64_t (*q)[3];    /* per vertex */
 };
 
 /*

@@ -83,25 +83,22 @@ static bool set_axis(const struct range *range, struct mp_exact_axis *axis, unsi
 	return false;
 }
 
-/* 2^-exponent in two factors, either of which a double holds: exponent is -1074 to 1023. */
-struct scale {
-	double first, second;
-};
-
-static struct scale scale_of(int exponent)
+/* The exponent is -1074 to 1023. */
+static void set_scale(int exponent, double scale[2])
 {
 	int half = -exponent / 2;
 
-	return (struct scale){ldexp(1, half), ldexp(1, -exponent - half)};
+	scale[0] = ldexp(1, half);
+	scale[1] = ldexp(1, -exponent - half);
 }
 
 /*
  * |x| < 2^62*2^exponent, and scaling up is exact, so the cast is defined; scaling down may round,
  * but never to an integer other than 0.
  */
-static bool find_index(double x, const struct scale *scale, int64_t origin, int64_t *out)
+static bool find_index(double x, const double scale[2], int64_t origin, int64_t *out)
 {
-	double scaled = x * scale->first * scale->second;
+	double scaled = x * scale[0] * scale[1];
 	int64_t index = (int64_t)scaled;
 
 	*out = index - origin;
@@ -111,17 +108,15 @@ static bool find_index(double x, const struct scale *scale, int64_t origin, int6
 static void find_indices(const struct mp_mesh *mesh, struct mp_exact_grid *grid)
 {
 	uint32_t count = mp_vertices_count(mesh->vertices);
-	struct scale scale[3];
 
-	for (int k = 0; k < 3; k++)
-		scale[k] = scale_of(grid->axis[k].exponent);
 	for (uint32_t v = 0; v < count; v++) {
 		bool on = true;
 		double x[3];
 
 		mp_vertices_get(mesh->vertices, v, x);
 		for (int k = 0; k < 3; k++)
-			on &= find_index(x[k], &scale[k], grid->axis[k].origin, &grid->q[v][k]);
+			on &=
+			    find_index(x[k], grid->scale[k], grid->axis[k].origin, &grid->q[v][k]);
 		if (!on)
 			grid->q[v][0] = MP_EXACT_OFF;
 	}
@@ -141,6 +136,7 @@ int mp_exact_grid_find(const struct mp_mesh *mesh, struct mp_exact_grid *out, st
 	out->lossless = true;
 	for (int k = 0; k < 3; k++) {
 		out->lossless = set_axis(&range[k], &out->axis[k], &bits) && out->lossless;
+		set_scale(out->axis[k].exponent, out->scale[k]);
 		if (bits > out->bits)
 			out->bits = bits;
 	}

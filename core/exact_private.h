@@ -16,6 +16,19 @@ enum { MP_EXACT_BLOCK = 128 }; /* triangles at a time, so that the work stays in
 void mp_exact_fixed_add(struct mp_fixed sum[MP_EXACT_SUMS], unsigned bits, const int64_t (*tri)[9],
 			size_t count);
 
+/*
+ * exact_digits.c: add a triangle whose coordinates lie on a grid 2^54 times as fine; false if they
+ * do not.  The sums are digits of 60 bits, sum[...][i] counting 2^(60*i) of the finer units.
+ */
+enum { MP_EXACT_COLUMNS = 10 };
+
+bool mp_exact_digits_add(mp_i128 sum[MP_EXACT_SUMS][MP_EXACT_COLUMNS], const struct mp_exact_grid *,
+			 const double tri[9]);
+
+/* Such a sum of products of ${coordinates} coordinates; ${unit}: exponent on the grid itself. */
+void mp_exact_digits_get(const mp_i128 sum[MP_EXACT_COLUMNS], int unit, int coordinates,
+			 struct mp_big *out);
+
 /* exact_gmp.c: add a triangle of finite doubles, any. */
 void mp_exact_gmp_add(struct mp_big sum[MP_EXACT_SUMS], const struct mp_exact_axis axis[3],
 		      const double tri[9]);

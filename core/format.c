@@ -14,6 +14,12 @@ static bool is_end(uint8_t c)
 	return c == '\n' || c == '\r';
 }
 
+/* ZBrush ends its files with NUL and LF, DOS with Ctrl-Z. */
+static bool is_padding(uint8_t c)
+{
+	return c == '\0' || c == 0x1a || is_blank(c) || is_end(c);
+}
+
 static bool begins_number(uint8_t c)
 {
 	return (c >= '0' && c <= '9') || c == '+' || c == '-' || c == '.';
@@ -105,7 +111,7 @@ enum mp_format_wish mp_format_sniff(const uint8_t *head, size_t len)
 {
 	if (is_draco(head, len))
 		return MP_WISH_DRACO;
-	while (len > 0 && head[len - 1] == '\0') /* ZBrush ends its files so */
+	while (len > 0 && is_padding(head[len - 1]))
 		len--;
 	/* a byte 0 is no text; in front of it may stand the header of a binary STL, any words */
 	if (memchr(head, '\0', len) == NULL && is_obj(head, len))

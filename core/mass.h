@@ -9,12 +9,12 @@
  * Functions return false, with the output all 0, where a double cannot hold the result.
  */
 struct mp_density {
-	bool asked;         /* else value is 1 and masses are volumes */
-	bool defined;       /* false: a weighed mass over a volume that is 0 or undefined */
-	bool weighed;       /* the mass of the whole was given, exactly ${mass} */
-	double mass;        /* [M] */
-	long double value;  /* [M/L^3] */
-	long double bound;  /* value is at most this far from what was asked; not if weighed */
+	bool asked;        /* else value is 1 and masses are volumes */
+	bool defined;      /* false: a weighed mass over a volume that is 0 or undefined */
+	bool weighed;      /* the mass of the whole was given, exactly ${mass} */
+	double mass;       /* [M] */
+	long double value; /* [M/L^3] */
+	long double bound; /* value is at most this far from what was asked; not if weighed */
 };
 
 /*

@@ -30,7 +30,7 @@ struct mp_moments {
 	struct mp_sum a0, a1[3], a2[6]; /* a2: xx yy zz xy yz zx */
 	struct mp_sum doubt;            /* sum of g = 8*|a_k|*(|products in n_k|) + 24*|d| */
 	struct mp_sum doubt2[3];        /* sum of g*(ai*ai + bi*bi + ci*ci + si*si) */
-	struct mp_sum vector_area[3]; /* sum n */
+	struct mp_sum vector_area[3];   /* sum n */
 	struct mp_sum area2, area_s[3]; /* sum |m|, sum |m|*s; m_k = n_k*scale_k/largest scale */
 	struct mp_sum area_doubt;       /* sum of (|products in n_k|)*scale_k/largest scale */
 	double min[3], max[3];          /* box of the vertices, file units; -0 is given as 0 */

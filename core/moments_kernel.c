@@ -73,8 +73,7 @@ INLINE void add_group(struct mp_lanes *restrict l, double (*restrict v)[LANES],
 		double xx = (ux * ux + wx * wx) + vx * vx;
 		double yy = (uy * uy + wy * wy) + vy * vy;
 		double zz = (uz * uz + wz * wz) + vz * vz;
-		double doubt =
-		    8 * ((fabs(ax) * tx + fabs(ay) * ty) + fabs(az) * tz) + 24 * fabs(d);
+		double doubt = 8 * ((fabs(ax) * tx + fabs(ay) * ty) + fabs(az) * tz) + 24 * fabs(d);
 
 		l->a0[j] += d;
 		l->a1[0][j] += d * sx;
@@ -145,12 +144,12 @@ INLINE void add_all(struct mp_lanes *restrict sums, double (*restrict min)[LANES
 	}
 }
 
-#define KERNEL(name, features)                                                                     \
-	features static void name(struct mp_lanes *sums, double min[3][LANES],                     \
-				  double max[3][LANES], const struct mp_frame *frame,              \
-				  const double (*tri)[9], size_t count)                            \
-	{                                                                                          \
-		add_all(sums, min, max, frame, tri, count);                                        \
+#define KERNEL(name, features)                                                        \
+	features static void name(struct mp_lanes *sums, double min[3][LANES],        \
+				  double max[3][LANES], const struct mp_frame *frame, \
+				  const double(*tri)[9], size_t count)                \
+	{                                                                             \
+		add_all(sums, min, max, frame, tri, count);                           \
 	}
 
 KERNEL(add_plain, )

@@ -62,8 +62,7 @@ static void solve_surface(const struct mp_moments *m, const struct mp_sum_errors
 	struct mp_ball area = divided(divided(ball(&m->area2, e->area2), 2 / widest), product);
 
 	out->area_in_range = finite_sums(&m->area2, 1) && finite_sums(m->area_s, 3) &&
-			     finite_sums(m->vector_area, 3) &&
-			     finite_sums(&m->area_doubt, 1) &&
+			     finite_sums(m->vector_area, 3) && finite_sums(&m->area_doubt, 1) &&
 			     (area2 == 0 || area2 >= SMALL_LENGTHS);
 	if (!out->area_in_range)
 		return;
@@ -184,4 +183,3 @@ void mp_moments_solve(const struct mp_moments *m, struct mp_solid *out)
 	out->area_again = !out->area_in_range || (m->triangles > 0 && out->area == 0);
 	out->again = out->again || out->area_again;
 }
-

@@ -79,7 +79,7 @@ static int solve_apart(struct mp_group *g, const struct mp_mesh *mesh, const uin
 /* The triangles by group, ascending within each; NULL where memory is out. */
 static uint32_t *sort_triangles(const struct mp_named *n, uint32_t triangles)
 {
-	uint32_t *order = malloc((size_t)triangles * sizeof *order);
+	uint32_t *order = calloc(triangles, sizeof *order);
 	uint32_t *next = malloc(n->count * sizeof *next), at = 0;
 
 	for (uint32_t g = 0; g < n->count && next != NULL; g++) {
@@ -116,6 +116,8 @@ static int solve_loose(struct mp_named *n, const struct mp_mesh *mesh, const uin
 		if (n->group[g].loose)
 			ret = solve_apart(&n->group[g], mesh, order + at, key, err);
 		at += n->group[g].triangles;
+		if (n->group[g].open && g + 1 < n->count)
+			break; /* judge() refuses it */
 	}
 	free(order);
 	return ret;

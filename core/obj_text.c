@@ -98,20 +98,40 @@ static int in_blank(struct obj *o, struct piece *in, struct mp_error *err)
 	}
 }
 
+/* A # ends a word, but not where the Microsoft library writes 1.#QNAN: that must not become 1. */
+static bool is_in_word(const struct obj *o, const char *word, size_t len)
+{
+	char text[3];
+	size_t had = o->word_len;
+
+	if (o->statement != OBJ_VERTEX || had + len < 2 || had + len > 3)
+		return false;
+	memcpy(text, o->word, had);
+	memcpy(text + had, word, len);
+	len += had;
+	return text[len - 1] == '.' && text[len - 2] == '1' &&
+	       (len == 2 || text[0] == '-' || text[0] == '+');
+}
+
 static int in_word(struct obj *o, struct piece *in, struct mp_error *err)
 {
 	const char *word = in->p;
-	size_t len;
+	enum obj_class class = OBJ_WORD;
+	size_t len = 0;
 
-	while (in->p < in->end && class_of(in->p) == OBJ_WORD)
-		in->p++;
-	len = (size_t)(in->p - word);
-	if (in->p < in->end && class_of(in->p) != OBJ_BACKSLASH && o->word_len == 0)
+	for (; in->p < in->end; in->p++, len++) {
+		class = class_of(in->p);
+		if (class == OBJ_HASH && is_in_word(o, word, len))
+			class = OBJ_WORD;
+		if (class != OBJ_WORD)
+			break;
+	}
+	if (class != OBJ_WORD && class != OBJ_BACKSLASH && o->word_len == 0)
 		return obj_word(o, word, len, err);
 	keep_piece(o, word, len);
-	if (in->p == in->end)
+	if (class == OBJ_WORD)
 		return 0;
-	if (class_of(in->p) != OBJ_BACKSLASH)
+	if (class != OBJ_BACKSLASH)
 		return obj_word(o, o->word, o->word_len, err);
 	in->p++;
 	o->backslash = true;

@@ -29,11 +29,10 @@ static bool is_like(const struct mp_parts *p, const struct mp_part *part, const 
 static int add(struct mp_parts *p, uint64_t first, const char *name, size_t len, bool gap,
 	       struct mp_error *err)
 {
-	const struct mp_part *last = p->count > 0 ? &p->part[p->count - 1] : NULL;
-	bool again = last != NULL && last->first == first;
-	size_t at = again ? last->name : p->used;
+	bool again = p->count > 0 && p->part[p->count - 1].first == first;
+	size_t at = again ? p->part[p->count - 1].name : p->used;
 
-	if (last != NULL && !again && is_like(p, last, name, len, gap))
+	if (p->count > 0 && !again && is_like(p, &p->part[p->count - 1], name, len, gap))
 		return 0;
 	if (len > SIZE_MAX - at)
 		return mp_fail_nomem(err);
@@ -87,16 +86,27 @@ const struct mp_part *mp_parts_at(const struct mp_parts *p, uint64_t t, uint64_t
 	return low == 0 || p->part[low - 1].gap ? NULL : &p->part[low - 1];
 }
 
-const char *mp_parts_name(const struct mp_parts *p, uint64_t first, uint64_t last, size_t *len)
+const char *mp_parts_name(const struct mp_parts *p, const uint32_t *tri, size_t count, size_t *len)
 {
-	uint64_t end;
-	const struct mp_part *part = mp_parts_at(p, first, &end);
+	const struct mp_part *name = NULL;
+	uint64_t end = 0;
 
 	*len = 0;
-	if (part == NULL || part->len == 0 || (end <= last && end < UINT64_MAX))
+	for (size_t i = 0; i < count; i++) {
+		const struct mp_part *part;
+
+		if (tri[i] < end)
+			continue;
+		part = mp_parts_at(p, tri[i], &end);
+		if (part == NULL || part->len == 0 ||
+		    (name != NULL && !is_like(p, name, p->pool + part->name, part->len, false)))
+			return NULL;
+		name = part;
+	}
+	if (name == NULL)
 		return NULL;
-	*len = part->len;
-	return p->pool + part->name;
+	*len = name->len;
+	return p->pool + name->name;
 }
 
 void mp_parts_free(struct mp_parts *p)

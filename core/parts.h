@@ -39,10 +39,10 @@ int mp_parts_end(struct mp_parts *, uint64_t first, struct mp_error *err);
 const struct mp_part *mp_parts_at(const struct mp_parts *, uint64_t t, uint64_t *end);
 
 /*
- * The name of the part in which the triangles ${first} to ${last} lie, ${*len} bytes, or NULL
- * where they lie in no part, in several or in one without a name.  Points into the pool.
+ * The name that all of the ${count} > 0 triangles ${tri}[], ascending, go by, ${*len} bytes, or
+ * NULL where there is none.  Points into the pool.
  */
-const char *mp_parts_name(const struct mp_parts *, uint64_t first, uint64_t last, size_t *len);
+const char *mp_parts_name(const struct mp_parts *, const uint32_t *tri, size_t count, size_t *len);
 
 void mp_parts_free(struct mp_parts *);
 

@@ -207,8 +207,7 @@ void mp_principal_find(const double inertia[3][3], double tolerance, struct mp_p
 	if (largest > 0)
 		exponent = -ilogb(largest) - 2; /* entries below 1/2: nothing overflows */
 	for (int i = 0; i < 9; i++)
-		a[i / 3][i % 3] = scaled[i / 3][i % 3] =
-		    ldexp(inertia[i / 3][i % 3], exponent);
+		a[i / 3][i % 3] = scaled[i / 3][i % 3] = ldexp(inertia[i / 3][i % 3], exponent);
 	world_axes(out);
 	jacobi(a, out->axes);
 	for (int k = 0; k < 3; k++)
@@ -216,8 +215,8 @@ void mp_principal_find(const double inertia[3][3], double tolerance, struct mp_p
 	swap_rows(moments, out->axes, 0, 1);
 	swap_rows(moments, out->axes, 1, 2);
 	swap_rows(moments, out->axes, 0, 1);
-	out->error = unscaled(
-	    mp_principal_error(fixed, (const double(*)[3])out->axes, moments), exponent);
+	out->error =
+	    unscaled(mp_principal_error(fixed, (const double(*)[3])out->axes, moments), exponent);
 	distinct = classify(out, moments, ldexp(tolerance, exponent));
 	if (out->symmetry == MP_SYMMETRY_SPHERICAL)
 		world_axes(out);
@@ -225,7 +224,7 @@ void mp_principal_find(const double inertia[3][3], double tolerance, struct mp_p
 	set_quaternion(out);
 	for (int k = 0; k < 3; k++) {
 		out->moments[k] = ldexp(moments[k], -exponent) + 0.0;
-		out->residual[k] = unscaled(
-		    mp_principal_residual(fixed, out->axes[k], moments[k]), exponent);
+		out->residual[k] =
+		    unscaled(mp_principal_residual(fixed, out->axes[k], moments[k]), exponent);
 	}
 }

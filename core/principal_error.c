@@ -22,8 +22,8 @@ static struct mp_ball residual(const double inertia[3][3], const double axis[3],
 	struct mp_ball x = mp_ball_exact(0);
 
 	for (int j = 0; j < 3; j++)
-		x = mp_ball_add(x, mp_ball_mul(mp_ball_exact(inertia[i][j]),
-					       mp_ball_exact(axis[j])));
+		x = mp_ball_add(x,
+				mp_ball_mul(mp_ball_exact(inertia[i][j]), mp_ball_exact(axis[j])));
 	return mp_ball_sub(x, mp_ball_mul(mp_ball_exact(moment), mp_ball_exact(axis[i])));
 }
 
@@ -43,8 +43,8 @@ static long double skew(const double axes[3][3])
 
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++)
-			sum = square_sum(sum, mp_ball_sub(dot(axes[i], axes[j]),
-							  mp_ball_exact(i == j ? 1 : 0)));
+			sum = square_sum(
+			    sum, mp_ball_sub(dot(axes[i], axes[j]), mp_ball_exact(i == j ? 1 : 0)));
 	return norm(sum);
 }
 
@@ -73,8 +73,8 @@ long double mp_principal_error(const double inertia[3][3], const double axes[3][
 		}
 		l = square_sum(l, mp_ball_exact(moments[k]));
 	}
-	return mp_ball_most(mp_ball_add(
-	    mp_ball_exact(norm(r)),
-	    mp_ball_mul(mp_ball_exact(skew(axes)),
-			mp_ball_add(mp_ball_exact(norm(a)), mp_ball_exact(norm(l))))));
+	return mp_ball_most(
+	    mp_ball_add(mp_ball_exact(norm(r)),
+			mp_ball_mul(mp_ball_exact(skew(axes)),
+				    mp_ball_add(mp_ball_exact(norm(a)), mp_ball_exact(norm(l))))));
 }

@@ -153,6 +153,9 @@ static void warn(struct mp_report *r)
 	mp_warn(r, MP_WARN_MISSING_END, n->missing_endsolid > 0);
 	mp_warn(r, MP_WARN_NONSTANDARD, n->nonstandard_lines > 0);
 	mp_warn(r, MP_WARN_SEVERAL_SOLIDS, n->parts > 1);
+	mp_warn(r, MP_WARN_NONPLANAR, n->nonplanar_polygons > 0);
+	mp_warn(r, MP_WARN_TANGLED, n->tangled_polygons > 0);
+	mp_warn(r, MP_WARN_NUL_BYTES, n->nul_bytes > 0);
 }
 
 /*

@@ -44,6 +44,9 @@ enum mp_warning {
 	MP_WARN_NESTING_UNDECIDED,   /* depth of some body is not decided */
 	MP_WARN_DEFECTS_TRUNCATED,   /* more defects than were listed */
 	MP_WARN_NAME_AGAINST,        /* named densities: solids wound against each other */
+	MP_WARN_NONPLANAR,           /* polygons that are not flat */
+	MP_WARN_TANGLED,             /* polygons that cross themselves: the area is off */
+	MP_WARN_NUL_BYTES,           /* text that ends with NUL characters */
 	MP_WARNINGS
 };
 

@@ -201,30 +201,31 @@ static bool bad_option(const struct calc *c)
 	return true;
 }
 
-int srv_calc_main(int argc, char **argv)
+/* The files move to the front of ${argv}.  0: compute; 1: help was wanted; -1: misuse. */
+static int read_arguments(struct calc *c, int argc, char **argv)
 {
-	struct calc c = {.json = false};
-	int worst = GOOD;
-
 	for (int i = 1; i < argc; i++) {
 		if (strcmp(argv[i], "--help") == 0) {
 			help();
-			return GOOD;
+			return 1;
 		}
 		if (strncmp(argv[i], "--", 2) != 0)
-			argv[1 + c.files++] = argv[i];
-		else if (flag(&c, argc, argv, &i) != 0)
-			return UNREADABLE;
+			argv[1 + c->files++] = argv[i];
+		else if (flag(c, argc, argv, &i) != 0)
+			return -1;
 	}
-	if (c.files == 0) {
-		(void)fputs("masspropd calc: no file given (see masspropd calc --help)\n", stderr);
-		return UNREADABLE;
-	}
-	if (bad_option(&c)) {
-		free(c.query);
-		return UNREADABLE;
-	}
-	for (int i = 1; i <= c.files; i += c.together ? c.files : 1) {
+	if (c->files > 0)
+		return bad_option(c) ? -1 : 0;
+	(void)fputs("masspropd calc: no file given (see masspropd calc --help)\n", stderr);
+	return -1;
+}
+
+int srv_calc_main(int argc, char **argv)
+{
+	struct calc c = {.json = false};
+	int rc = read_arguments(&c, argc, argv), worst = rc < 0 ? UNREADABLE : GOOD;
+
+	for (int i = 1; rc == 0 && i <= c.files; i += c.together ? c.files : 1) {
 		int verdict = one_solid(&c, argv + i, c.together ? c.files : 1);
 
 		worst = verdict > worst ? verdict : worst;

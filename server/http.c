@@ -17,6 +17,8 @@
 #error "libmicrohttpd 0.9.71 or newer is needed"
 #endif
 
+enum { AT_ONCE = 64 << 10 }; /* an answer that half of a socket's buffer takes */
+
 struct srv_http {
 	struct srv_front *front;
 	struct MHD_Daemon *daemon;
@@ -272,10 +274,16 @@ void srv_http_client_event(struct srv_http *h, int fd, uint32_t events)
 	srv_clients_event(&h->clients, fd, events);
 }
 
+/* The library may read before it asks for the answer, and end with a client that has closed its
+ * side: a small answer goes out under it. */
 void srv_http_resume(struct srv_exchange *ex)
 {
 	if (!ex->suspended)
 		return;
+	if (ex->answered && ex->half_closed && ex->reply.len <= AT_ONCE) {
+		srv_http_last_words(ex);
+		ex->gone = ex->sent;
+	}
 	ex->suspended = false;
 	MHD_resume_connection(ex->connection);
 }
@@ -303,19 +311,20 @@ static void add_line(void *to, const char *name, const char *value)
 void srv_http_last_words(struct srv_exchange *ex)
 {
 	struct text t = {.len = 0};
+	int fd = descriptor(ex->connection), size = 4 * AT_ONCE;
 	char length[24];
 
 	if (ex->sent || ex->reply.body == NULL)
 		return;
-	t.len = (size_t)snprintf(t.bytes, sizeof t.bytes,
-				 "HTTP/1.1 %d Problem\r\nConnection: close\r\n", ex->reply.status);
+	ex->reply.close = true;
+	t.len = (size_t)snprintf(t.bytes, sizeof t.bytes, "HTTP/1.1 %d %s\r\n", ex->reply.status,
+				 ex->reply.status < 400 ? "OK" : "Problem");
 	srv_reply_headers(ex, add_line, &t);
 	(void)snprintf(length, sizeof length, "%zu\r\n", ex->reply.len);
 	add_line(&t, "Content-Length", length);
-	(void)send(descriptor(ex->connection), t.bytes, t.len,
-		   MSG_NOSIGNAL | MSG_DONTWAIT | MSG_MORE);
-	(void)send(descriptor(ex->connection), ex->reply.body, ex->reply.len,
-		   MSG_NOSIGNAL | MSG_DONTWAIT);
+	(void)setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);
+	(void)send(fd, t.bytes, t.len, MSG_NOSIGNAL | MSG_DONTWAIT | MSG_MORE);
+	(void)send(fd, ex->reply.body, ex->reply.len, MSG_NOSIGNAL | MSG_DONTWAIT);
 	ex->sent = true;
 }
 

@@ -91,7 +91,7 @@ BAD = {
     "density[steel]": ("", "0", "x"),
 }
 LATER = ("orient=fix", "weld=0.01", "checks=closed", "precision=exact", "precision=certified",
-         "resolution=1e-6", "include=facets", "include=digest", "density[steel]=7850",
+         "resolution=1e-6", "include=facets", "include=digest",
          "transform=1,0,0,0,0,1,0,0,0,0,1,0", "transform=1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1")
 
 

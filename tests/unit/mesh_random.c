@@ -30,11 +30,23 @@ static int random_count(uint64_t *state, int low, int high)
 	return low + (int)(random_bits(state) % (uint64_t)(high - low + 1));
 }
 
+/* Draws one after the other: the order of arguments is the compiler's. */
+static void move_by(struct mesh *m, size_t from, double x, double y, double z, uint64_t *state)
+{
+	double by[3] = {x, y, z};
+
+	for (int k = 0; k < 3; k++)
+		by[k] = random_between(state, -by[k], by[k]);
+	mesh_move(m, from, by[0], by[1], by[2]);
+}
+
 /* About the size of 1, near the origin. */
 static void add_body(struct mesh *m, uint64_t *state)
 {
 	const double min[3] = {-0.5, -0.5, -0.5}, max[3] = {0.5, 0.5, 0.5};
 	size_t from = m->count;
+
+	int round = random_count(state, 3, 11), up = random_count(state, 3, 8);
 
 	switch (random_count(state, 0, 3)) {
 	case 0:
@@ -44,10 +56,10 @@ static void add_body(struct mesh *m, uint64_t *state)
 		mesh_wedge(m, 1, 0.8, 0.7);
 		break;
 	case 2:
-		mesh_sphere(m, 0.6, random_count(state, 3, 12), random_count(state, 2, 7));
+		mesh_sphere(m, 0.6, round, up - 1);
 		break;
 	default:
-		mesh_torus(m, 0.5, 0.2, random_count(state, 3, 10), random_count(state, 3, 8));
+		mesh_torus(m, 0.5, 0.2, round, up);
 	}
 	for (size_t i = from; i < m->count; i++) /* -0 and 0 must be moved alike */
 		for (int k = 0; k < 9; k++)
@@ -102,8 +114,24 @@ static void stretch(struct mesh *m, uint64_t *state)
 	double reach = random_chance(state, 0.1) ? 7 : 1, by[3];
 
 	for (int k = 0; k < 3; k++)
-		by[k] = random_chance(state, 0.3) ? pow(10, random_between(state, -reach, reach)) : 1;
+		by[k] =
+		    random_chance(state, 0.3) ? pow(10, random_between(state, -reach, reach)) : 1;
 	mesh_scale(m, 0, by[0], by[1], by[2]);
+}
+
+/* A body and the same again, wound the other way: nothing, or what displacing leaves of it. */
+static void add_reverse(struct mesh *m, size_t from, uint64_t *state)
+{
+	size_t count = m->count;
+
+	for (size_t i = from; i < count; i++) {
+		double t[9];
+
+		memcpy(t, m->tri[i], sizeof t);
+		mesh_triangle(m, t, t + 6, t + 3);
+	}
+	if (random_chance(state, 0.7))
+		displace(m, count, 1e-14, random_bits(state));
 }
 
 static void add_bodies(struct mesh *m, uint64_t *state)
@@ -116,29 +144,19 @@ static void add_bodies(struct mesh *m, uint64_t *state)
 		double scale = b == 0 ? 1 : pow(10, random_between(state, -2, 0.2));
 
 		add_body(m, state);
-		if (random_chance(state, 0.8))
-			displace(m, from, random_between(state, 0, 0.2), random_bits(state));
+		if (random_chance(state, 0.8)) {
+			double by = random_between(state, 0, 0.2);
+
+			displace(m, from, by, random_bits(state));
+		}
 		mesh_scale(m, from, scale, scale, scale);
 		if (random_chance(state, 0.25))
 			mesh_flip(m, from);
+		if (random_chance(state, 0.04))
+			add_reverse(m, from, state);
 		if (b > 0 && random_chance(state, 0.6))
-			mesh_move(m, from, random_between(state, -apart, apart),
-				  random_between(state, -apart, apart), 0);
+			move_by(m, from, apart, apart, 0, state);
 	}
-}
-
-/* The same sheet or solid from both sides: exactly nothing, or what displacing leaves of it. */
-static void add_both_sides(struct mesh *m, uint64_t *state)
-{
-	size_t count;
-
-	add_body(m, state);
-	displace(m, 0, 0.2, random_bits(state));
-	count = m->count;
-	for (size_t i = 0; i < count; i++)
-		mesh_triangle(m, m->tri[i], m->tri[i] + 6, m->tri[i] + 3);
-	if (random_chance(state, 0.5))
-		displace(m, count, 1e-13, random_bits(state));
 }
 
 static void place(struct random_mesh *out, uint64_t *state)
@@ -152,8 +170,7 @@ static void place(struct random_mesh *out, uint64_t *state)
 	if (random_chance(state, 0.5))
 		far = scale * pow(10, random_between(state, 0, random_chance(state, 0.2) ? 9 : 6));
 	mesh_scale(m, 0, scale, scale, scale);
-	mesh_move(m, 0, random_between(state, -far, far), random_between(state, -far, far),
-		  random_between(state, -far, far));
+	move_by(m, 0, far, far, far, state);
 	for (size_t i = 0; i < m->count && out->narrow; i++)
 		for (int k = 0; k < 9; k++)
 			m->tri[i][k] = (float)m->tri[i][k];
@@ -163,10 +180,7 @@ void mesh_random(struct random_mesh *out, uint64_t *state)
 {
 	memset(out, 0, sizeof *out);
 	out->narrow = random_chance(state, 0.4);
-	if (random_chance(state, 0.03))
-		add_both_sides(&out->mesh, state);
-	else
-		add_bodies(&out->mesh, state);
+	add_bodies(&out->mesh, state);
 	stretch(&out->mesh, state);
 	if (random_chance(state, 0.7))
 		turn(&out->mesh, 0, state);

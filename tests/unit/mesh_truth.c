@@ -213,8 +213,8 @@ static void set_entry(struct truth_quotient *q, const struct truth *o, const str
 	mpz_clear(den);
 }
 
-static void set_tensor(struct truth_quotient out[3][3], const struct truth *o,
-		       const struct sums *s, mpz_t moment[6])
+static void set_tensor(struct truth_quotient out[3][3], const struct truth *o, const struct sums *s,
+		       mpz_t moment[6])
 {
 	mpz_t x;
 

@@ -2,6 +2,8 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
+#include <string.h>
 
 enum { UNIT = 1074 }; /* every double is an integer times 2^-UNIT */
 
@@ -230,28 +232,31 @@ static int compare_middle(const mpq_t x, double a, int power)
 	return order;
 }
 
-/* Bisection over all doubles, which are ordered as their bits: no rounding to be trusted. */
-bool oracle_round(const mpq_t x, double *out)
+static bool is_even(double x)
 {
-	union {
-		double d;
-		unsigned long long bits;
-	} low = {.d = 0}, high = {.d = DBL_MAX}, middle;
-	int order;
+	uint64_t bits;
 
-	*out = 0;
-	if (compare_middle(x, DBL_MAX, 1) >= 0)
+	memcpy(&bits, &x, sizeof bits);
+	return bits % 2 == 0;
+}
+
+bool oracle_is_nearest(const mpq_t x, double value)
+{
+	double size = fabs(value);
+	int above = compare_middle(x, size, 1);
+	int below = size == 0 ? 1 : compare_middle(x, nextafter(size, 0), 1);
+
+	if (value != 0 && mpq_sgn(x) != (value > 0 ? 1 : -1))
 		return false;
-	while (low.bits < high.bits) { /* the first whose upper middle is not below |x| */
-		middle.bits = low.bits + (high.bits - low.bits) / 2;
-		order = compare_middle(x, middle.d, 1);
-		if (order < 0 || (order == 0 && middle.bits % 2 == 0))
-			high.bits = middle.bits;
-		else
-			low.bits = middle.bits + 1;
-	}
-	*out = mpq_sgn(x) < 0 && low.bits != 0 ? -low.d : low.d;
-	return true;
+	return (above < 0 || (above == 0 && is_even(size))) &&
+	       (below > 0 || (below == 0 && is_even(size)));
+}
+
+int oracle_range(const mpq_t x)
+{
+	if (compare_middle(x, DBL_MAX, 1) >= 0)
+		return 1;
+	return mpq_sgn(x) != 0 && compare_middle(x, nextafter(DBL_MIN, 0), 1) < 0 ? -1 : 0;
 }
 
 bool oracle_is_root(const mpq_t x, double root)

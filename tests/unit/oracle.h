@@ -31,8 +31,11 @@ void oracle_inertia(const struct oracle *, const double *about, const mpq_t fact
 void oracle_moment(const struct oracle *, const double origin[3], const double d[3],
 		   const mpq_t factor, mpq_t out);
 
-/* The nearest double, ties to even; false beyond what rounds to DBL_MAX. */
-bool oracle_round(const mpq_t, double *out);
+/* Is ${value} the double nearest to x, ties to even? */
+bool oracle_is_nearest(const mpq_t x, double value);
+
+/* Does x round to something beyond DBL_MAX, 1, or, not being 0, below DBL_MIN, -1?  Else 0. */
+int oracle_range(const mpq_t x);
 
 /* Is ${root} the double nearest to the square root of x >= 0? */
 bool oracle_is_root(const mpq_t x, double root);

@@ -27,10 +27,15 @@ enum { MESHES = 12000 };
 
 enum field { VOLUME, AREA, MASS, CENTROID, INERTIA, ORIGIN, MOMENTS, AXES, RADII, FIELDS };
 
-static const char *const NAMES[FIELDS] = {
-    "volume",	       "surface_area",	    "mass",		  "centroid",
-    "inertia",	       "inertia_about_origin", "principal_moments", "principal_axes_rad",
-    "radii_of_gyration"};
+static const char *const NAMES[FIELDS] = {"volume",
+					  "surface_area",
+					  "mass",
+					  "centroid",
+					  "inertia",
+					  "inertia_about_origin",
+					  "principal_moments",
+					  "principal_axes_rad",
+					  "radii_of_gyration"};
 
 struct tally {
 	long seen[FIELDS], broken[FIELDS];
@@ -51,8 +56,7 @@ static void check_tensor(struct tally *t, enum field f, struct truth_quotient ex
 	double worst = 0;
 
 	for (int i = 0; i < 9; i++)
-		worst = fmax(worst,
-			     truth_ratio(&exact[i / 3][i % 3], value[i / 3][i % 3], bound));
+		worst = fmax(worst, truth_ratio(&exact[i / 3][i % 3], value[i / 3][i % 3], bound));
 	count(t, f, bound, worst);
 }
 
@@ -82,9 +86,9 @@ static void check_principal(struct tally *t, struct truth *o, const struct mp_re
 
 	for (int k = 0; k < 3; k++) {
 		moments = fmax(moments, truth_ratio_root(o->moment[k], r->principal.moments[k],
-							  r->bounds.moments));
+							 r->bounds.moments));
 		radii = fmax(radii, truth_ratio_root(o->radius[k], r->radii_of_gyration[k],
-						      r->bounds.radii));
+						     r->bounds.radii));
 	}
 	count(t, MOMENTS, r->bounds.moments, moments);
 	if (r->radii_defined)
@@ -109,7 +113,8 @@ static void check_solid(struct tally *t, struct truth *o, const struct mp_report
 	if (m->mass_defined)
 		count(t, MASS, b->mass, truth_ratio(&o->mass, m->mass, b->mass));
 	for (int k = 0; k < 3 && m->centroid_defined; k++)
-		centroid = fmax(centroid, truth_ratio(&o->centroid[k], m->centroid[k], b->centroid));
+		centroid =
+		    fmax(centroid, truth_ratio(&o->centroid[k], m->centroid[k], b->centroid));
 	if (m->centroid_defined)
 		count(t, CENTROID, b->centroid, centroid);
 	if (r->inertia_origin_defined)
@@ -187,10 +192,119 @@ static void test_no_result_is_beyond_its_bound(void **unused)
 	}
 }
 
+/* Many blocks: bounds grow with the sums, not with their number. */
+static void test_bounds_of_a_large_mesh(void **unused)
+{
+	const struct truth_density density = {1, 1, 0};
+	struct tally t = {0};
+	struct mp_report r;
+	struct mesh m = {0};
+	struct truth o;
+
+	(void)unused;
+	mesh_torus(&m, 3, 1, 250, 160);
+	report_of_ascii(&m, NULL, &r);
+	truth_init(&o);
+	truth_find(&o, &m, &density);
+	count(&t, AREA, r.bounds.area, truth_ratio_root(o.area, r.total.area, r.bounds.area));
+	check_solid(&t, &o, &r);
+	for (int f = 0; f < FIELDS; f++)
+		assert_true(t.seen[f] == 1 && t.broken[f] == 0);
+	assert_true(r.bounds.volume <= 1e-14 * r.total.volume);
+	assert_true(r.bounds.area <= 1e-14 * r.total.area);
+	assert_true(r.bounds.mass <= 1e-14 * r.total.mass);
+	assert_true(r.bounds.centroid <= 1e-13);
+	assert_true(r.bounds.inertia <= 1e-12 * r.total.inertia[0][0]);
+	assert_true(r.bounds.moments <= 2e-12 * r.principal.moments[2]);
+	assert_true(r.bounds.radii <= 2e-12);
+	truth_clear(&o);
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
+static void test_a_cube_has_no_axes_of_its_own(void **unused)
+{
+	const double min[3] = {0, 0, 0}, max[3] = {1, 1, 1}, rod[3] = {1, 1, 2};
+	struct mp_report r;
+	struct mesh m = {0};
+
+	(void)unused;
+	mesh_box(&m, min, max);
+	report_of_binary(&m, NULL, &r);
+	assert_int_equal(r.principal.symmetry, MP_SYMMETRY_SPHERICAL);
+	assert_true(r.bounds.axes >= acos(-1) / 2 && r.bounds.axes < 1.5708);
+	mp_report_free(&r);
+	mesh_free(&m);
+	mesh_box(&m, min, rod);
+	report_of_binary(&m, NULL, &r);
+	assert_int_equal(r.principal.symmetry, MP_SYMMETRY_AXIAL);
+	assert_true(r.bounds.axes < 1e-12);
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
+static void test_nothing_is_nothing_for_certain(void **unused)
+{
+	const double min[3] = {1, 2, 3.3}, max[3] = {4, 7, 3.3};
+	struct mp_report r;
+	struct mesh m = {0};
+
+	(void)unused;
+	mesh_box(&m, min, max); /* flat */
+	report_of_ascii(&m, NULL, &r);
+	assert_true(r.total.volume_defined && r.total.volume == 0 && r.bounds.volume == 0);
+	assert_true(r.bounds.area > 0 && r.bounds.area < 1e-13);
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
+/* A weighed mass is what was given, whatever the volume is off by. */
+static void test_weighed_mass_has_no_error(void **unused)
+{
+	struct mp_request request = request_plain();
+	struct mp_report r;
+	struct mesh m = {0};
+
+	(void)unused;
+	request.density_kind = MP_DENSITY_FROM_MASS;
+	request.density = 0.7;
+	mesh_torus(&m, 3, 1, 17, 9);
+	report_of_ascii(&m, &request, &r);
+	assert_true(r.total.mass == 0.7 && r.bounds.mass == 0);
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
+/* An error of the density, from changing its unit, is one of the mass. */
+static void test_error_of_the_density_is_taken_in(void **unused)
+{
+	const double min[3] = {0, 0, 0}, max[3] = {1, 2, 4};
+	struct mp_request request = request_plain();
+	struct mp_report r;
+	struct mesh m = {0};
+
+	(void)unused;
+	request.density_kind = MP_DENSITY_GIVEN;
+	request.density = 0.5;
+	request.density_error = 0x1p-30;
+	mesh_box(&m, min, max);
+	report_of_binary(&m, &request, &r);
+	assert_true(r.total.mass == 4);
+	assert_true(r.bounds.mass >= 0x1p-28 && r.bounds.mass < 0x1.001p-28);
+	assert_true(r.bounds.inertia >= 0x1p-30 * r.total.inertia[0][0]);
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(test_no_result_is_beyond_its_bound),
+	    cmocka_unit_test(test_bounds_of_a_large_mesh),
+	    cmocka_unit_test(test_a_cube_has_no_axes_of_its_own),
+	    cmocka_unit_test(test_nothing_is_nothing_for_certain),
+	    cmocka_unit_test(test_weighed_mass_has_no_error),
+	    cmocka_unit_test(test_error_of_the_density_is_taken_in),
 	};
 
 	return cmocka_run_group_tests_name("bounds", tests, NULL, NULL);

@@ -26,21 +26,49 @@ static enum mp_code refusal(const void *bytes, size_t size, size_t step, enum mp
 	return err->code;
 }
 
-static void test_formats_that_are_not_read(void **state)
+/* Found by its first statement, however it is written. */
+static void test_obj_goes_to_its_decoder(void **state)
 {
-	static const char OBJ[] = "# a comment\r\no part\r\n\r\n  v 1 -2 .5\r\nf 1 1 1\r\n";
-	struct mp_error err;
+	static const char *const FOUND[] = {
+	    "v 0 0 0\n",
+	    "# a comment\r\no part\r\n\r\n  v 1 -2 .5\r\nf 1 1 1\r\n",
+	    "\xef\xbb\xbf# x\rmtllib a.mtl\r",
+	    "\t\ng solid\nsolid facet",
+	    "what\nf -1 -2 -3\n",
+	    "f 1/2/3 4 5\\\n",
+	    "vn 0 0 1",
+	    "vt 1 1\n",
+	    "s off\n",
+	    "usemtl steel\n",
+	    "cstype bezier\n",
+	    "p 1\n",
+	    "# only comments\n\n  #\n",
+	};
+	static const char *const NOT_FOUND[] = {
+	    "solid v\nv 1 2 3\n",  "v\nf\no \ng\n",  "v x\nf a b c\n", "V 1 2 3\n",
+	    "# x\nwhat\n",         "vertex 1 2 3\n", "\n\n",           "ply\nformat ascii 1.0\n",
+	    "OFF\n8 6 0\n1 1 1\n",
+	};
 
 	(void)state;
-	for (size_t step = 0; step < sizeof OBJ; step++) {
-		assert_int_equal(refusal(OBJ, sizeof OBJ - 1, step, MP_WISH_AUTO, &err),
-				 MP_UNSUPPORTED);
-		assert_non_null(strstr(err.text, "OBJ"));
+	for (size_t i = 0; i < sizeof FOUND / sizeof *FOUND; i++) {
+		char text[100];
+		size_t len = strlen(FOUND[i]);
+
+		assert_int_equal(mp_format_sniff((const uint8_t *)FOUND[i], len), MP_WISH_OBJ);
+		/* ZBrush ends its files with a byte 0 and a line end */
+		memcpy(text, FOUND[i], len);
+		memcpy(text + len, "\n\0\n", 3);
+		for (size_t more = 1; more <= 3; more++)
+			assert_int_equal(mp_format_sniff((uint8_t *)text, len + more), MP_WISH_OBJ);
+		/* a byte 0 in the middle is no text */
+		memcpy(text + len, "\0x", 2);
+		assert_int_equal(mp_format_sniff((uint8_t *)text, len + 2), MP_WISH_STL);
 	}
-	/* ZBrush ends its files with a byte 0 */
-	assert_int_equal(refusal(OBJ, sizeof OBJ, 0, MP_WISH_AUTO, &err), MP_UNSUPPORTED);
-	assert_int_equal(refusal("", 0, 0, MP_WISH_OBJ, &err), MP_UNSUPPORTED);
-	assert_non_null(strstr(err.text, "OBJ"));
+	for (size_t i = 0; i < sizeof NOT_FOUND / sizeof *NOT_FOUND; i++)
+		assert_int_equal(
+		    mp_format_sniff((const uint8_t *)NOT_FOUND[i], strlen(NOT_FOUND[i])),
+		    MP_WISH_STL);
 }
 
 static void test_draco_goes_to_its_decoder(void **state)
@@ -63,8 +91,8 @@ static void test_obj_longer_than_the_first_bytes(void **state)
 	(void)state;
 	for (size_t at = 0; at < sizeof text; at++)
 		text[at] = "v 1.5 2.25 -0.12345\n"[at % 20];
-	assert_int_equal(refusal(text, sizeof text, 0, MP_WISH_AUTO, &err), MP_UNSUPPORTED);
-	assert_int_equal(refusal(text, sizeof text, 777, MP_WISH_AUTO, &err), MP_UNSUPPORTED);
+	assert_int_equal(refusal(text, sizeof text, 0, MP_WISH_AUTO, &err), MP_NO_FACES);
+	assert_int_equal(refusal(text, sizeof text, 777, MP_WISH_AUTO, &err), MP_NO_FACES);
 }
 
 /* Words in the header of a binary STL, and names in a text one, mean nothing. */
@@ -108,7 +136,7 @@ static void test_what_is_no_mesh(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(test_formats_that_are_not_read),
+	    cmocka_unit_test(test_obj_goes_to_its_decoder),
 	    cmocka_unit_test(test_draco_goes_to_its_decoder),
 	    cmocka_unit_test(test_obj_longer_than_the_first_bytes),
 	    cmocka_unit_test(test_stl_with_the_words_of_others),

@@ -431,17 +431,17 @@ static void a_bad_file_is_the_files_fault(void **state)
 	cJSON_Delete(json);
 }
 
-static void other_formats_wait_for_their_stage(void **state)
+static void other_formats_have_their_own_decoders(void **state)
 {
-	static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+	static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n";
 	static const char draco[] = "DRACO\x02\x02\x01\x01\0\0";
 	struct api_job_head head = head_of("");
 
 	(void)state;
-	cJSON_Delete(problem(&head, obj, sizeof obj - 1, API_UNSUPPORTED_FEATURE));
+	cJSON_Delete(problem(&head, obj, sizeof obj - 1, API_BAD_INDEX));
 	cJSON_Delete(problem(&head, draco, sizeof draco - 1, API_TRUNCATED));
 	head = head_of("format=obj");
-	cJSON_Delete(problem(&head, obj, sizeof obj - 1, API_UNSUPPORTED_FEATURE));
+	cJSON_Delete(problem(&head, obj, sizeof obj - 1, API_BAD_INDEX));
 	head = head_of("format=drc");
 	cJSON_Delete(problem(&head, draco, sizeof draco - 1, API_TRUNCATED));
 	head = head_of("format=stl");
@@ -679,7 +679,7 @@ static void capabilities_say_what_is_in_force(void **state)
 	assert_int_equal(strlen(text), len);
 	prints(json, "version", "\"0.1.0\"");
 	assert_string_equal(api_version, "0.1.0");
-	prints(json, "formats", "[\"stl-binary\",\"stl-ascii\",\"draco\"]");
+	prints(json, "formats", "[\"stl-binary\",\"stl-ascii\",\"obj\",\"draco\"]");
 	prints(json, "content_codings", "[\"identity\",\"gzip\",\"zstd\"]");
 	prints(json, "units", "[\"mm\",\"um\",\"cm\",\"m\",\"in\",\"ft\"]");
 	prints(json, "density_units", "[\"kg/m3\",\"g/cm3\",\"lb/in3\",\"file\"]");
@@ -744,7 +744,7 @@ int main(void)
 	    cmocka_unit_test(a_cavity_is_one),
 	    cmocka_unit_test(an_open_mesh_says_where),
 	    cmocka_unit_test(a_bad_file_is_the_files_fault),
-	    cmocka_unit_test(other_formats_wait_for_their_stage),
+	    cmocka_unit_test(other_formats_have_their_own_decoders),
 	    cmocka_unit_test(a_forced_format_is_taken_at_its_word),
 	    cmocka_unit_test(limits_are_named_with_both_figures),
 	    cmocka_unit_test(options_are_judged_from_the_head),

@@ -160,7 +160,7 @@ static void parts_come_in_their_order(void **state)
 static void what_stands_around_the_parts_is_passed_over(void **state)
 {
 	(void)state;
-	reads_as("Not for you.\r\n--XXX\r\n --XX\r\nx--XX\r\n" PART("name=a", "1") "--XX--",
+	reads_as("Not for you.\r\n--XX_\r\n --XX\r\nx--XX\r\n" PART("name=a", "1") "--XX--",
 		 "[a|-|]1;");
 	reads_as("\r\n" PART("name=a", "1") END "\r\n--XX\r\nwhat is this\n--XX--", "[a|-|]1;");
 	reads_as(PART("name=a", "1") "--XX--anything", "[a|-|]1;");
@@ -192,13 +192,13 @@ static void data_may_look_like_a_boundary(void **state)
 					   "\r\n--X",
 					   "\r\n--X\r\n--X",
 					   "\r\n--X\r\n--XY",
-					   "\r\n--XXX",
+					   "\r\n--XX_",
 					   "\r\n--XXY\r\n",
 					   "\r\n--XX-",
 					   "\r\n--XX-\r",
 					   "\r\n--XX-X-",
 					   "\r\n--XX\r",
-					   "\r\n--XX\r\r\n--XXX",
+					   "\r\n--XX\r\r\n--XX_",
 					   "\r\n--XX\rX",
 					   "\n--XX",
 					   "\r--XX",

@@ -90,7 +90,7 @@ static void test_numbers_are_nearest_doubles(void **state)
 static void test_weights_and_colours(void **state)
 {
 	(void)state;
-	ACCEPT("v 1 2 3 1\nv 4 5 6 0.5\nv 7 8 9 0 .1 .2\nv 0 0 0 1 2 3 4\nf 1 2 3 4\n");
+	ACCEPT("v 1 2 3 1\nv 4 5 6 0.5\nv 7 8 9 0 .1 .2\nv 0 0 0 1 2 3 4\nf 1 2 3\nf 2 3 4\n");
 	assert_int_equal(seen.count, 2);
 	assert_true(seen.tri[0][3] == 4 && seen.tri[0][4] == 5 && seen.tri[0][5] == 6);
 	ACCEPT("v 1 2 3 nan NaN -nan(ind)\nv 4 5 6 inf 0 0\nv 7 8 9\nf 1 2 3\n");
@@ -117,6 +117,9 @@ static void test_numbers_that_are_none(void **state)
 	REFUSE("v 0 0 0\r\nv -inf 2 3\r\n", MP_NON_FINITE, 2);
 	REFUSE("v 1 2 1e999\n", MP_NON_FINITE, 1);
 	REFUSE("v 1 2 1.#QNAN\n", MP_NON_FINITE, 1);
+	REFUSE("v -1.#IND00 2 3\n", MP_NON_FINITE, 1);
+	REFUSE("v 1 2 1\\\n.\\\n#INF\n", MP_NON_FINITE, 1);
+	ACCEPT("v 1 2 11.#INF\nv 0 0 2.#INF\nv 1 1 1#.\nf 1 2 3#4\n"); /* comments */
 }
 
 static void test_forms_of_corners(void **state)
@@ -388,7 +391,7 @@ static void test_what_is_no_obj(void **state)
 	assert_non_null(strstr(seen.err.text, "UTF-16"));
 	REFUSE("v\0 \0001\0", MP_SYNTAX, 1);
 	assert_non_null(strstr(seen.err.text, "UTF-16"));
-	REFUSE("\x89PNG\r\n\x1a\n", MP_SYNTAX, 2);
+	REFUSE("\x89PNG\r\n\x1a\n", MP_SYNTAX, 1);
 	REFUSE("a\nb\x7f\n", MP_SYNTAX, 2);
 	REFUSE("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", MP_SYNTAX, 1);
 }

@@ -20,9 +20,13 @@ static void add(struct mp_parts *p, uint64_t first, const char *name)
 
 static void assert_name(const struct mp_parts *p, uint64_t first, uint64_t last, const char *want)
 {
-	size_t len;
-	const char *name = mp_parts_name(p, first, last, &len);
+	uint32_t tri[100];
+	size_t len, count = 0;
+	const char *name;
 
+	for (uint64_t i = first; i <= last; i++)
+		tri[count++] = (uint32_t)i;
+	name = mp_parts_name(p, tri, count, &len);
 	if (want == NULL) {
 		assert_null(name);
 		assert_int_equal(len, 0);
@@ -48,7 +52,7 @@ static void test_ranges_have_names(void **state)
 	assert_name(&p, 4, 5, NULL);
 	assert_name(&p, 5, 7, NULL);
 	assert_name(&p, 8, 8, "long name");
-	assert_name(&p, UINT64_MAX - 1, UINT64_MAX, "long name");
+	assert_name(&p, UINT32_MAX - 1, UINT32_MAX, "long name");
 	mp_parts_free(&p);
 	mp_parts_free(&p);
 }
@@ -101,6 +105,22 @@ static void test_the_same_name_goes_on(void **state)
 	assert_name(&p, 0, 7, "a");
 	assert_name(&p, 0, 8, NULL);
 	assert_name(&p, 12, 100, "aa");
+	mp_parts_free(&p);
+}
+
+static void test_a_name_of_several_parts(void **state)
+{
+	static const uint32_t TRI[] = {0, 1, 6, 7};
+	struct mp_parts p = {0};
+	size_t len;
+
+	(void)state;
+	add(&p, 0, "a");
+	add(&p, 2, "b");
+	add(&p, 6, "a");
+	assert_memory_equal(mp_parts_name(&p, TRI, 4, &len), "a", 1);
+	assert_int_equal(len, 1);
+	assert_name(&p, 1, 6, NULL);
 	mp_parts_free(&p);
 }
 
@@ -177,6 +197,7 @@ int main(void)
 	    cmocka_unit_test(test_same_first_replaces),
 	    cmocka_unit_test(test_many_parts),
 	    cmocka_unit_test(test_the_same_name_goes_on),
+	    cmocka_unit_test(test_a_name_of_several_parts),
 	    cmocka_unit_test(test_a_gap_is_no_part),
 	    cmocka_unit_test(test_out_of_memory_keeps_what_was_there),
 	};

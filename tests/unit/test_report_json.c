@@ -87,6 +87,15 @@ static struct mp_report box(void)
 			  .quaternion = {1, 0, 0, 0}},
 	    .radii_of_gyration = {10.4083, 12.9099, 14.4338},
 	    .radii_defined = true,
+	    .precision = MP_PRECISION_EXACT,
+	    .bounds = {.area = 1e-12,
+		       .mass = 1e-17,
+		       .centroid = 1e-15,
+		       .inertia = 1e-14,
+		       .inertia_origin = 1e-14,
+		       .moments = 1e-14,
+		       .axes = 1e-15,
+		       .radii = 1e-15},
 	    .body = &box_body,
 	    .bodies_listed = 1,
 	};
@@ -180,7 +189,7 @@ static bool warns(const cJSON *json, const char *code)
 }
 
 static const char contract_box[] =
-    "{\"schema\":\"masspropd/1\",\"precision\":null,"
+    "{\"schema\":\"masspropd/1\",\"precision\":\"exact\","
     "\"input\":{\"filename\":\"box.stl\",\"format\":\"stl-binary\",\"bytes\":684,"
     "\"unit\":\"mm\"},"
     "\"units\":{\"length\":\"mm\",\"area\":\"mm2\",\"volume\":\"mm3\",\"mass\":\"kg\","
@@ -203,7 +212,10 @@ static const char contract_box[] =
     "\"principal\":{\"moments\":[7.02,10.8,13.5],\"axes\":[[1,0,0],[0,1,0],[0,0,1]],"
     "\"quaternion_wxyz\":[1,0,0,0],\"radii_of_gyration\":[10.4083,12.9099,14.4338],"
     "\"symmetry\":\"none\"},\"volume_if_capped\":null,\"volume_if_oriented\":null},"
-    "\"error_bounds\":null,"
+    "\"error_bounds\":{\"volume\":0,\"surface_area\":1e-12,\"mass\":1e-17,"
+    "\"centroid\":1e-15,\"inertia\":1e-14,\"inertia_about_origin\":1e-14,"
+    "\"principal_moments\":1e-14,\"principal_axes_rad\":1e-15,\"radii_of_gyration\":1e-15,"
+    "\"quadrature_estimate\":null},"
     "\"bodies\":[{\"triangles\":12,\"volume\":24000,\"signed_volume\":24000,"
     "\"surface_area\":5200,\"mass\":0.0648,\"centroid\":[20,15,10],"
     "\"inertia_about_centroid\":[[7.02,0,0],[0,10.8,0],[0,0,13.5]],"
@@ -666,10 +678,72 @@ static void a_report_with_gaps_still_has_a_table(void **state)
 	}
 }
 
+static void every_bound_stands_beside_its_result(void **state)
+{
+	struct mp_report r = box();
+	cJSON *json;
+
+	(void)state;
+	r.precision = MP_PRECISION_CERTIFIED;
+	r.bounds = (struct mp_bounds){.volume = 1,
+				      .area = 2,
+				      .mass = 3,
+				      .centroid = 4,
+				      .inertia = 5,
+				      .inertia_origin = 6,
+				      .moments = 7,
+				      .radii = 9,
+				      .axes = 0.25};
+	json = parse(&r, "density=2700", "box.stl");
+	says(json, "precision", "certified");
+	equals(json, "error_bounds.volume", 1);
+	equals(json, "error_bounds.surface_area", 2);
+	equals(json, "error_bounds.mass", 3);
+	equals(json, "error_bounds.centroid", 4);
+	equals(json, "error_bounds.inertia", 5);
+	equals(json, "error_bounds.inertia_about_origin", 6);
+	equals(json, "error_bounds.principal_moments", 7);
+	equals(json, "error_bounds.principal_axes_rad", 0.25);
+	equals(json, "error_bounds.radii_of_gyration", 9);
+	is_null(json, "error_bounds.quadrature_estimate");
+	cJSON_Delete(json);
+}
+
+static void a_bound_is_null_where_the_result_is(void **state)
+{
+	struct mp_report r = box();
+	cJSON *json;
+
+	(void)state;
+	r.radii_defined = false;
+	json = parse(&r, "density=2700", "box.stl");
+	is_null(json, "error_bounds.radii_of_gyration");
+	equals(json, "error_bounds.principal_moments", 1e-14);
+	cJSON_Delete(json);
+	r.has_density = false;
+	r.total.inertia_defined = r.inertia_origin_defined = false;
+	json = parse(&r, "", "box.stl");
+	is_null(json, "error_bounds.mass");
+	is_null(json, "error_bounds.inertia");
+	is_null(json, "error_bounds.inertia_about_origin");
+	is_null(json, "error_bounds.principal_moments");
+	is_null(json, "error_bounds.principal_axes_rad");
+	equals(json, "error_bounds.centroid", 1e-15);
+	cJSON_Delete(json);
+	r.total.volume_defined = r.total.area_defined = r.total.centroid_defined = false;
+	json = parse(&r, "", "box.stl");
+	is_null(json, "error_bounds.volume");
+	is_null(json, "error_bounds.surface_area");
+	is_null(json, "error_bounds.centroid");
+	cJSON_Delete(json);
+}
+
 int main(void)
 {
 	const struct CMUnitTest report_json[] = {
 	    cmocka_unit_test(the_box_prints_as_in_the_contract),
+	    cmocka_unit_test(every_bound_stands_beside_its_result),
+	    cmocka_unit_test(a_bound_is_null_where_the_result_is),
 	    cmocka_unit_test(without_density_the_numbers_are_geometry),
 	    cmocka_unit_test(units_are_those_asked_for),
 	    cmocka_unit_test(a_weighed_mass_has_its_density),
