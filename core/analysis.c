@@ -77,12 +77,9 @@ static int take_indices(void *self, const uint32_t (*tri)[3], size_t count, stru
 	return mp_index_add(&a->index, tri, count, err);
 }
 
-static int begin(struct mp_analysis *a, enum mp_format_wish format, bool asked,
-		 struct mp_error *err)
+static int begin(struct mp_analysis *a, enum mp_format_wish format, struct mp_error *err)
 {
-	a->decoder = mp_format_decoder(format, asked, err);
-	if (a->decoder == NULL)
-		return -1;
+	a->decoder = mp_format_decoder(format);
 	return a->decoder->begin(&a->state, &a->sink, &a->request.limits, &a->notes, err);
 }
 
@@ -107,7 +104,7 @@ struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_
 	a->vertices = mp_vertices_new(request->key, err);
 	if (a->vertices == NULL)
 		goto err1;
-	if (request->format != MP_WISH_AUTO && begin(a, request->format, true, err))
+	if (request->format != MP_WISH_AUTO && begin(a, request->format, err))
 		goto err1;
 	return a;
 err1:
@@ -118,7 +115,7 @@ err1:
 /* The format is decided by the first MP_SNIFF_BYTES bytes, however they came. */
 static int decide(struct mp_analysis *a, struct mp_error *err)
 {
-	if (begin(a, mp_format_sniff(a->head, a->head_len), false, err))
+	if (begin(a, mp_format_sniff(a->head, a->head_len), err))
 		return -1;
 	return a->decoder->push(a->state, a->head, a->head_len, err);
 }
@@ -172,7 +169,7 @@ int mp_analysis_next(struct mp_analysis *a, struct mp_error *err)
 	    mp_parts_end(&a->names.objects, a->first, err) ||
 	    mp_parts_end(&a->names.materials, a->first, err))
 		return -1;
-	return a->request.format == MP_WISH_AUTO ? 0 : begin(a, a->request.format, true, err);
+	return a->request.format == MP_WISH_AUTO ? 0 : begin(a, a->request.format, err);
 }
 
 int mp_analysis_end(struct mp_analysis *a, struct mp_error *err)

@@ -119,11 +119,8 @@ enum mp_format_wish mp_format_sniff(const uint8_t *head, size_t len)
 	return MP_WISH_STL;
 }
 
-const struct mp_decoder_ops *mp_format_decoder(enum mp_format_wish format, bool asked,
-					       struct mp_error *err)
+const struct mp_decoder_ops *mp_format_decoder(enum mp_format_wish format)
 {
-	(void)asked;
-	(void)err;
 	switch (format) {
 	case MP_WISH_OBJ:
 		return &mp_obj_decoder;

@@ -16,8 +16,7 @@ enum { MP_SNIFF_BYTES = 4096 }; /* collected before judging; a shorter file is j
  */
 enum mp_format_wish mp_format_sniff(const uint8_t *head, size_t len);
 
-/* The decoder, or NULL with MP_UNSUPPORTED.  ${asked}: the client named the format. */
-const struct mp_decoder_ops *mp_format_decoder(enum mp_format_wish format, bool asked,
-					       struct mp_error *err);
+/* The decoder of a format; not of MP_WISH_AUTO. */
+const struct mp_decoder_ops *mp_format_decoder(enum mp_format_wish format);
 
 #endif

@@ -178,9 +178,9 @@ int polygon_clip(struct mp_polygon *p, const double (*xyz)[3], const uint32_t *c
 	c.xy = polygon_room(p, n * (sizeof *c.xy + 2 * sizeof *c.prev + sizeof *c.convex), err);
 	if (c.xy == NULL)
 		return -1;
-	c.prev = (uint32_t *)(c.xy + n);
+	c.prev = (void *)(c.xy + n);
 	c.next = c.prev + n;
-	c.convex = (uint8_t *)(c.next + n);
+	c.convex = (void *)(c.next + n);
 	for (uint32_t i = 0; i < n; i++) {
 		c.xy[i][0] = xyz[corner[i]][axis[0]];
 		c.xy[i][1] = xyz[corner[i]][axis[1]];

@@ -274,8 +274,7 @@ void srv_http_client_event(struct srv_http *h, int fd, uint32_t events)
 	srv_clients_event(&h->clients, fd, events);
 }
 
-/* The library may read before it asks for the answer, and end with a client that has closed its
- * side: a small answer goes out under it. */
+/* Resumed, the library may meet the end of a half-closed client before it asks for the answer. */
 void srv_http_resume(struct srv_exchange *ex)
 {
 	if (!ex->suspended)

@@ -274,6 +274,46 @@ static void a_name_that_is_no_solid_is_refused(void **state)
 	mesh_free(&m);
 }
 
+static void a_name_of_a_good_and_a_bad_body(void **state)
+{
+	const struct made_range names[] = {{0, "a"}, {12, "b"}, {0, NULL}};
+	struct mesh m = {0};
+	const struct made_file file = {.mesh = &m, .parts = names};
+	struct mp_error err;
+	struct asked q;
+
+	(void)state;
+	two_boxes(&m);
+	box(&m, 20, 1);
+	m.count--;
+	ask(&q, 1.0, "b", 2.0, NULL);
+	err = refused(&file, 1, &q.request);
+	assert_true(err.limit == 0 && err.actual == 12);
+	m.count++;
+	mesh_free(&m);
+}
+
+static void a_name_of_a_face_without_edges(void **state)
+{
+	const struct made_range names[] = {{0, "a"}, {12, "b"}, {0, NULL}};
+	const double p[3] = {1, 2, 3};
+	struct mesh m = {0};
+	const struct made_file file = {.mesh = &m, .parts = names};
+	struct mp_report r;
+	struct asked q;
+
+	(void)state;
+	box(&m, 0, 2);
+	mesh_triangle(&m, p, p, p);
+	ask(&q, 1.0, "b", 2.0, NULL);
+	assert_int_equal(refused(&file, 1, &q.request).limit, 0);
+	ask(&q, 1.0, "a", 2.0, NULL); /* under another name it is nothing */
+	good(&file, &q.request, &r);
+	assert_relative(r.total.mass, 16, 1e-15);
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
 /* Then the whole is open, and says so as always. */
 static void an_open_rest_has_no_mass(void **state)
 {
@@ -680,6 +720,8 @@ int main(void)
 	    cmocka_unit_test(other_names_take_the_density),
 	    cmocka_unit_test(a_name_without_faces_is_refused),
 	    cmocka_unit_test(a_name_that_is_no_solid_is_refused),
+	    cmocka_unit_test(a_name_of_a_good_and_a_bad_body),
+	    cmocka_unit_test(a_name_of_a_face_without_edges),
 	    cmocka_unit_test(an_open_rest_has_no_mass),
 	    cmocka_unit_test(solids_that_touch),
 	    cmocka_unit_test(a_solid_with_cracks_weighs),
