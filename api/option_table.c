@@ -189,10 +189,13 @@ static int set_checks(struct api_options *o, const struct api_value *v)
 
 static int set_precision(struct api_options *o, const struct api_value *v)
 {
-	static const char *const words[] = {"auto", "certified", "exact"};
+	static const char *const words[] = {"auto", "certified", "exact"}; /* mp_precision_wish */
+	unsigned which = 0;
 
-	(void)o;
-	return later_word(v, words, 3);
+	if (api_value_choice(v, words, 3, &which))
+		return -1;
+	o->precision = (enum mp_precision_wish)which;
+	return 0;
 }
 
 static int set_resolution(struct api_options *o, const struct api_value *v)
@@ -232,7 +235,7 @@ const struct api_option_row api_option_rows[] = {
     {"bodies", set_bodies, false},
     {"defects", set_defects, false},
     {"checks", set_checks, true},
-    {"precision", set_precision, true},
+    {"precision", set_precision, false},
     {"resolution", set_resolution, true},
     {"include", set_include, true},
     {"strict", set_strict, false},

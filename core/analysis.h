@@ -7,6 +7,7 @@
 /* The coordinator: bytes of one file in, report out. */
 
 enum mp_format_wish { MP_WISH_AUTO, MP_WISH_STL, MP_WISH_OBJ, MP_WISH_DRACO };
+enum mp_precision_wish { MP_WISH_PRECISION_AUTO, MP_WISH_CERTIFIED, MP_WISH_EXACT };
 enum mp_density_kind { MP_DENSITY_NONE, MP_DENSITY_GIVEN, MP_DENSITY_FROM_MASS };
 
 /* The density of the faces under a name; the numbers are as the request's density, density_divisor
@@ -25,6 +26,7 @@ struct mp_request {
 	uint8_t key[16]; /* secret random bytes, fresh for every request: keys the hash tables */
 	struct mp_limits limits;
 	bool flip;
+	enum mp_precision_wish precision; /* AUTO: exact where that costs under a millisecond */
 	enum mp_density_kind density_kind;
 	double density; /* GIVEN: [M/L^3] times density_divisor, FROM_MASS: the mass [M] */
 	/*

@@ -88,12 +88,11 @@ static double farthest_axis(const struct mp_principal *p, double tensor, double 
 	return most;
 }
 
-static void find_principal(const struct mp_solid *heavy, struct mp_ball mass, struct mp_report *r)
+void mp_bounds_of_principal(double tensor, struct mp_ball mass, struct mp_report *r)
 {
-	const double(*inertia)[3] = (const double(*)[3])r->total.inertia;
-	double tensor = mp_bounds_of_tensor(heavy, mass, inertia);
 	struct mp_bounds *b = &r->bounds;
 
+	b->radii = 0;
 	b->moments = mp_round_up(
 	    mp_ball_most(mp_ball_add(mp_ball_exact(tensor), mp_ball_exact(r->principal.error))));
 	b->axes = farthest_axis(&r->principal, tensor, b->moments);
@@ -130,5 +129,6 @@ void mp_bounds_find(const struct mp_solid *whole, const struct mp_solid *heavy, 
 	if (!m->inertia_defined)
 		return;
 	b->inertia = farthest(heavy, mass, (const double(*)[3])m->inertia, false);
-	find_principal(heavy, mass, r);
+	mp_bounds_of_principal(mp_bounds_of_tensor(heavy, mass, (const double(*)[3])m->inertia),
+			       mass, r);
 }

@@ -54,6 +54,9 @@ void mp_bounds_of_sums(const struct mp_moments *, struct mp_sum_errors *out);
 double mp_bounds_of_tensor(const struct mp_solid *solid, struct mp_ball mass,
 			   const double inertia[3][3]);
 
+/* The bounds of principal moments, axes and radii for a tensor that is ${tensor} (in norm) off. */
+void mp_bounds_of_principal(double tensor, struct mp_ball mass, struct mp_report *report);
+
 /*
  * Fill report->bounds for what the report holds.  ${whole}: the solid; ${heavy}: the same with the
  * mass in the place of the volume where densities differ, else ${whole}; ${mass}: its mass.

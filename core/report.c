@@ -10,9 +10,7 @@
 #include "core/bounds.h"
 #include "core/mass.h"
 #include "core/named.h"
-
-/* Moments that agree to this part of the largest are one, even where they are told apart. */
-#define SAME_MOMENT 1e-14
+#include "core/report_parts.h"
 
 /* The mesh changes owner: from here on the report has it, whatever happens. */
 static void take_mesh(struct mp_analysis *a, const struct mp_request *request, struct mp_report *r)
@@ -77,35 +75,6 @@ static void set_surface(const struct mp_solid *whole, struct mp_report *r)
 }
 
 /* Moments that the bound cannot tell apart are one. */
-static void set_principal(const struct mp_solid *whole, struct mp_ball mass, struct mp_report *r)
-{
-	const double(*inertia)[3] = (const double(*)[3])r->total.inertia;
-	double norm = 0, tolerance = 2 * mp_bounds_of_tensor(whole, mass, inertia);
-
-	for (int i = 0; i < 3; i++)
-		norm = fmax(norm, fabs(inertia[i][i]));
-	tolerance = fmin(fmax(tolerance, SAME_MOMENT * norm), DBL_MAX);
-	mp_principal_find(inertia, tolerance, &r->principal);
-	if (!isfinite(r->principal.moments[2])) {
-		memset(&r->principal, 0, sizeof r->principal);
-		memset(r->total.inertia, 0, sizeof r->total.inertia);
-		r->total.inertia_defined = false;
-		mp_warn(r, MP_WARN_OUT_OF_RANGE, true);
-		return;
-	}
-	r->radii_defined = true;
-	for (int k = 0; k < 3; k++) {
-		long double square = r->principal.moments[k] / mass.mid;
-
-		if (square < 0 && r->principal.moments[k] >= -tolerance)
-			square = 0; /* a needle's smallest moment is lost in the rounding */
-		r->radii_defined = r->radii_defined && square >= 0 &&
-				   mp_in_range(sqrtl(square), &r->radii_of_gyration[k]);
-	}
-	if (!r->radii_defined)
-		memset(r->radii_of_gyration, 0, sizeof r->radii_of_gyration);
-}
-
 static void set_inertia(const struct mp_request *request, const struct mp_solid *whole,
 			const struct mp_density *density, struct mp_report *r)
 {
@@ -129,7 +98,10 @@ static void set_inertia(const struct mp_request *request, const struct mp_solid 
 	}
 	mp_warn(r, MP_WARN_OUT_OF_RANGE, !fits);
 	if (r->total.inertia_defined)
-		set_principal(whole, mp_mass_ball(whole, density), r);
+		mp_report_principal(r,
+				    mp_bounds_of_tensor(whole, mp_mass_ball(whole, density),
+							(const double(*)[3])r->total.inertia),
+				    mp_mass_ball(whole, density));
 }
 
 static void warn(struct mp_report *r)
@@ -232,9 +204,10 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	mp_index_compare(&r->by_index, &r->topology);
 	set_masses(request, named, &whole, &density, r);
 	warn(r);
-	if (mp_bodies_judge(bodies, r, err))
+	if (mp_bodies_judge(bodies, r, err) ||
+	    mp_bodies_list(bodies, &density, named, &a->names, r, err))
 		return -1;
-	return mp_bodies_list(bodies, &density, named, &a->names, r, err);
+	return mp_report_exact(request, &mesh, bodies, r, err);
 }
 
 int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,

@@ -17,8 +17,6 @@
 #error "libmicrohttpd 0.9.71 or newer is needed"
 #endif
 
-enum { AT_ONCE = 64 << 10 }; /* an answer that half of a socket's buffer takes */
-
 struct srv_http {
 	struct srv_front *front;
 	struct MHD_Daemon *daemon;
@@ -279,7 +277,7 @@ void srv_http_resume(struct srv_exchange *ex)
 {
 	if (!ex->suspended)
 		return;
-	if (ex->answered && ex->half_closed && ex->reply.len <= AT_ONCE) {
+	if (ex->answered && ex->half_closed && ex->reply.len <= SRV_AT_ONCE) {
 		srv_http_last_words(ex);
 		ex->gone = ex->sent;
 	}
@@ -310,7 +308,7 @@ static void add_line(void *to, const char *name, const char *value)
 void srv_http_last_words(struct srv_exchange *ex)
 {
 	struct text t = {.len = 0};
-	int fd = descriptor(ex->connection), size = 4 * AT_ONCE;
+	int fd = descriptor(ex->connection), size = 4 * SRV_AT_ONCE;
 	char length[24];
 
 	if (ex->sent || ex->reply.body == NULL)

@@ -44,6 +44,14 @@ static double noise(uint64_t *state)
 	}
 }
 
+static double end_of_range(uint64_t *state)
+{
+	uint64_t r = soup_random(state);
+	double x = r % 3 == 0 ? DBL_MAX : r % 3 == 1 ? 0x1p-1074 : 0x1p970;
+
+	return r >> 63 ? -x : x;
+}
+
 double exact_coordinate(enum exact_style style, int axis, uint64_t *state)
 {
 	switch (style) {
@@ -79,6 +87,8 @@ double exact_coordinate(enum exact_style style, int axis, uint64_t *state)
 		return ldexp(uniform(state), (int)(soup_random(state) % 180) - 90);
 	case ANY_DOUBLE:
 		return any_double(state);
+	case ENDS_OF_RANGE:
+		return end_of_range(state);
 	case SUBNORMAL:
 		return DBL_MIN * uniform(state);
 	case HUGE_DOUBLES:

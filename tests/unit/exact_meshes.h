@@ -23,6 +23,7 @@ enum exact_style { /* of coordinates; each has its own way through core/exact */
 		   FLOAT_EXTREMES,
 		   WIDE_SPAN,
 		   ANY_DOUBLE,
+		   ENDS_OF_RANGE,
 		   SUBNORMAL,
 		   HUGE_DOUBLES,
 		   STYLES
