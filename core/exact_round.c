@@ -31,7 +31,7 @@ static bool divide(const struct mp_big *num, const struct mp_big *den, int bits,
 {
 	mp_limb_t n[MP_BIG_LIMBS], d[MP_BIG_LIMBS], q[MP_BIG_LIMBS], rest[MP_BIG_LIMBS];
 	int shift = bits - (mp_big_bits(num) - mp_big_bits(den));
-	int nn, nd;
+	int nn, dn;
 
 	*unit = num->exponent - den->exponent - shift;
 	if (even && *unit % 2 != 0) {
@@ -39,12 +39,12 @@ static bool divide(const struct mp_big *num, const struct mp_big *den, int bits,
 		--*unit;
 	}
 	nn = mp_big_shift(num->d, num->n, shift > 0 ? (unsigned)shift : 0, n);
-	nd = mp_big_shift(den->d, den->n, shift < 0 ? (unsigned)-shift : 0, d);
-	assert(nn >= nd && nn - nd < 3);
-	mpn_tdiv_qr(q, rest, 0, n, nn, d, nd);
+	dn = mp_big_shift(den->d, den->n, shift < 0 ? (unsigned)-shift : 0, d);
+	assert(nn >= dn && nn - dn < 3);
+	mpn_tdiv_qr(q, rest, 0, n, nn, d, dn);
 	for (int i = 0; i < 3; i++)
-		quotient[i] = i <= nn - nd ? q[i] : 0;
-	for (int i = 0; i < nd; i++)
+		quotient[i] = i <= nn - dn ? q[i] : 0;
+	for (int i = 0; i < dn; i++)
 		if (rest[i] != 0)
 			return true;
 	return false;

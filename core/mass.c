@@ -23,20 +23,23 @@ struct mp_ball mp_mass_ball(const struct mp_solid *solid, const struct mp_densit
 	return mp_ball_mul(mp_ball(density->value, density->bound), volume);
 }
 
+/* Of a solid without a volume it is not known how it is meant: its moments may have either sign. */
+static struct mp_ball either_way(struct mp_ball x)
+{
+	return mp_ball(0, mp_ball_most(x));
+}
+
 void mp_mass_weigh(struct mp_solid *solid, struct mp_ball density)
 {
 	struct mp_ball mass =
 	    mp_ball_mul(density, mp_ball_abs(mp_ball(solid->volume, solid->volume_bound)));
-	struct mp_ball most = mp_ball_exact(mp_ball_most(density));
 
 	solid->volume = mass.mid;
 	solid->volume_bound = mass.rad;
 	for (int k = 0; k < 3; k++)
-		solid->first_bound[k] =
-		    mp_ball_most(mp_ball_mul(most, mp_ball_exact(solid->first_bound[k])));
+		solid->first[k] = either_way(mp_ball_mul(density, solid->first[k]));
 	for (int k = 0; k < 6; k++)
-		solid->second_bound[k] =
-		    mp_ball_most(mp_ball_mul(most, mp_ball_exact(solid->second_bound[k])));
+		solid->second[k] = either_way(mp_ball_mul(density, solid->second[k]));
 }
 
 bool mp_in_range(long double x, double *out)

@@ -28,7 +28,7 @@ void mp_merge_add(struct mp_merge *merge, const struct mp_solid *part)
 	merge->volume = mp_ball_add(merge->volume, volume);
 	for (int k = 0; k < 3; k++) {
 		r[k] = mp_ball_sub(centre(part, k), mp_ball_exact(merge->origin[k]));
-		first[k] = mp_ball(0, part->has_centroid ? 0 : part->first_bound[k]);
+		first[k] = part->has_centroid ? mp_ball_exact(0) : part->first[k];
 		merge->first[k] = mp_ball_add(merge->first[k], mp_ball_mul(volume, r[k]));
 		merge->first[k] = mp_ball_add(merge->first[k], first[k]);
 	}
@@ -41,8 +41,7 @@ void mp_merge_add(struct mp_merge *merge, const struct mp_solid *part)
 
 			second = mp_ball_mul(volume, mp_ball_add(cov, square));
 		} else {
-			second = mp_ball_add(mp_ball(0, part->second_bound[k]),
-					     mp_ball_mul(volume, square));
+			second = mp_ball_add(part->second[k], mp_ball_mul(volume, square));
 			second = mp_ball_add(second, mp_ball_mul(first[i], r[j]));
 			second = mp_ball_add(second, mp_ball_mul(r[i], first[j]));
 		}
@@ -50,17 +49,17 @@ void mp_merge_add(struct mp_merge *merge, const struct mp_solid *part)
 	}
 }
 
-/* What may be there where no volume is proven. */
+/* What is there where no volume is proven. */
 static void solve_zero(const struct mp_merge *merge, struct mp_solid *io)
 {
 	io->volume = 0;
 	io->volume_bound = mp_ball_most(merge->volume);
 	for (int k = 0; k < 3; k++) {
 		io->reference[k] = merge->origin[k];
-		io->first_bound[k] = mp_ball_most(merge->first[k]);
+		io->first[k] = merge->first[k];
 	}
 	for (int k = 0; k < 6; k++)
-		io->second_bound[k] = mp_ball_most(merge->second[k]);
+		io->second[k] = merge->second[k];
 }
 
 void mp_merge_solve(const struct mp_merge *merge, struct mp_solid *io)

@@ -65,10 +65,11 @@ struct mp_solid {
 	/* how far each is from the exact value of these very triangles at most, in its unit */
 	long double volume_bound, centroid_bound[3], cov_bound[6], area_bound;
 	/*
-	 * Without a centroid: its integrals of x and of x*x about ${reference} are no larger than
-	 * these [L^4, L^5], for the whole of which it is a part.
+	 * Without a centroid: its integrals of x and of x*x about ${reference} [L^4, L^5], for the
+	 * whole of which it is a part.  They need not be 0: two parts wound against each other.
 	 */
-	long double reference[3], first_bound[3], second_bound[6];
+	long double reference[3];
+	struct mp_ball first[3], second[6];
 	long double surface_centroid[3]; /* [L]; 0 unless has_surface_centroid */
 	long double vector_area[3];      /* sum of n/2 [L^2]; 0 where it is within rounding of 0 */
 	bool has_centroid;               /* volume is not 0 */

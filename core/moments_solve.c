@@ -124,7 +124,7 @@ static void solve_second(const struct mp_moments *m, const struct mp_sum_errors 
 	}
 }
 
-/* No volume that is proven, but maybe one, and moments: how large may they be? */
+/* No volume that is proven, but maybe one, and moments. */
 static void solve_zero(const struct mp_moments *m, const struct mp_sum_errors *e,
 		       struct mp_ball volume, struct mp_solid *out)
 {
@@ -133,13 +133,13 @@ static void solve_zero(const struct mp_moments *m, const struct mp_sum_errors *e
 	out->volume_bound = mp_ball_most(volume);
 	for (int k = 0; k < 3; k++) {
 		b = mp_ball_div(ball(&m->a1[k], e->a1[k]), product);
-		out->first_bound[k] = mp_ball_most(divided(divided(b, m->scale[k]), 24));
+		out->first[k] = divided(divided(b, m->scale[k]), 24);
 		out->reference[k] = m->reference[k];
 	}
 	for (int k = 0; k < 6; k++) {
 		b = mp_ball_div(ball(&m->a2[k], e->a2[k]), product);
 		b = divided(divided(b, m->scale[AXES[k][0]]), m->scale[AXES[k][1]]);
-		out->second_bound[k] = mp_ball_most(divided(b, 120));
+		out->second[k] = divided(b, 120);
 	}
 }
 

@@ -49,8 +49,9 @@ def compare(d, name, mesh, path):
         ours = d.post(data, query="unit=mm").json
         said = f"{theirs}\n{ours['mesh']}\n{ours['checks']}\n{ours['properties']}\n{text}"
         mesh_part, checks = ours["mesh"], ours["checks"]
-        check(f"{name}, {kind}: facets and boundary edges", theirs["facets"] == mesh_part["triangles"]
-              == len(mesh) and theirs["boundary"] == checks["boundary_edges"], said)
+        check(f"{name}, {kind}: facets and boundary edges",
+              theirs["facets"] == mesh_part["triangles"] == len(mesh)
+              and theirs["boundary"] == checks["boundary_edges"], said)
         low, high = mesh_part["bounding_box"]["min"], mesh_part["bounding_box"]["max"]
         check(f"{name}, {kind}: box", all(abs(a - b) < 2e-5 for a, b in
                                           zip(theirs["low"] + theirs["high"], low + high)), said)

@@ -61,7 +61,7 @@ def test_file_faults(d):
     for name, data in (("words", b"no mesh at all\n" * 20), ("zeros", bytes(1000)),
                        ("a PNG", b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 4),
                        ("a pointer of Git LFS", b"version https://git-lfs.github.com/spec/v1\n"
-                        b"oid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393"
+                        b"oid sha256:" + b"4d7a2146" * 8 +
                         b"\nsize 12345\n")):
         a = d.post(data)
         check(f"{name}: refused as the file's fault", a.status == 422

@@ -95,7 +95,8 @@ BYTES = {
     "a first line that is folded": raw("GET /livez HTTP/1.1", " X: y", host=False),
 }
 LINES = {
-    "words": b"what is this\r\n\r\n", "one word": b"GET\r\n\r\n", "TLS": b"\x16\x03\x01\x02\x00\x01",
+    "words": b"what is this\r\n\r\n", "one word": b"GET\r\n\r\n",
+    "TLS": b"\x16\x03\x01\x02\x00\x01",
     "NUL in the path": raw(b"GET /li\0vez HTTP/1.1"), "no version": b"GET /livez\r\n\r\n",
     "HTTP/2": b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", "HTTP/9": raw("GET /livez HTTP/9.9"),
     "http": raw("GET /livez http/1.1"), "HTTP/1.1x": raw("GET /livez HTTP/1.1x"),

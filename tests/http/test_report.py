@@ -180,8 +180,8 @@ def test_defects(d):
     point = ((5, 5, 0),) * 3
     r = report(d, BOX + [point])
     check("a point for a triangle", r["checks"]["degenerate_triangles"] == 1
-          and located(r, "degenerate_triangles")[0][0] == [12] and r["properties"]["volume"] == 24000,
-          r)
+          and located(r, "degenerate_triangles")[0][0] == [12]
+          and r["properties"]["volume"] == 24000, r)
     r = report(d, BOX + box((40, 30, 0), (1, 1, 20)))
     check("an edge of two boxes", r["checks"]["closed"] and r["properties"]["volume"] == 24020
           and r["checks"]["non_manifold_edges"] >= 1 and not r["checks"]["watertight"]
@@ -205,8 +205,9 @@ def test_names(d):
     check("a solid's name", name(stl_ascii(BOX, "left bracket")) == "left bracket")
     check("no name", name(stl_ascii(BOX, "")) is None)
     odd = 'a "b" \\ / c <script>'
-    check("a name that JSON must escape", name(stl_ascii(BOX, odd)) == odd, name(stl_ascii(BOX, odd)))
-    check("a name in UTF-8", name(stl_ascii(BOX, "Fl\u00fcgel \U0001f600")) == "Fl\u00fcgel \U0001f600")
+    for what, text in (("that JSON must escape", odd), ("in UTF-8", "Fl\u00fcgel \U0001f600")):
+        got = name(stl_ascii(BOX, text))
+        check(f"a name {what}", got == text, got)
     got = name(stl_ascii(BOX, "NAME").replace(b"NAME", b"caf\xe9 \xff\xc3(\xed\xa0\x80\tx"))
     check("a name that is no UTF-8 is still good JSON", isinstance(got, str)
           and got.startswith("caf\ufffd ") and got.endswith("x") and "\t" not in got, repr(got))

@@ -188,3 +188,16 @@ void mesh_random(struct random_mesh *out, uint64_t *state)
 		mesh_flip(&out->mesh, 0);
 	place(out, state);
 }
+
+void mesh_random_boxes(struct random_mesh *out, uint64_t *state)
+{
+	const double min[3] = {-0.5, -0.5, -0.5}, max[3] = {0.5, 0.5, 0.5};
+
+	memset(out, 0, sizeof *out);
+	mesh_box(&out->mesh, min, max);
+	mesh_box(&out->mesh, min, max);
+	displace(&out->mesh, 0, 0.2, random_bits(state));
+	mesh_move(&out->mesh, 12, random_between(state, 2, 100), 0, 0);
+	turn(&out->mesh, 0, state);
+	place(out, state);
+}

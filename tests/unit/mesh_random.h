@@ -21,6 +21,9 @@ struct random_mesh {
 /* The same for the same ${state}, which is changed.  mesh_free() it. */
 void mesh_random(struct random_mesh *, uint64_t *state);
 
+/* Two displaced boxes apart from each other, outward, of 12 triangles each. */
+void mesh_random_boxes(struct random_mesh *, uint64_t *state);
+
 uint64_t random_bits(uint64_t *state);                           /* splitmix64 */
 double random_between(uint64_t *state, double low, double high); /* uniform */
 bool random_chance(uint64_t *state, double chance);

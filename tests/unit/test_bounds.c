@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "core/analysis.h"
+#include "tests/unit/made_file.h"
 #include "tests/unit/mesh_random.h"
 #include "tests/unit/mesh_truth.h"
 #include "tests/unit/report_of.h"
@@ -296,6 +297,83 @@ static void test_error_of_the_density_is_taken_in(void **unused)
 	mesh_free(&m);
 }
 
+static void add_quotient(struct truth_quotient *io, const struct truth_quotient *x)
+{
+	mpf_t other;
+
+	mpf_mul(io->num, io->num, x->den);
+	mpf_init2(other, mpf_get_prec(io->num));
+	mpf_mul(other, x->num, io->den);
+	mpf_add(io->num, io->num, other);
+	mpf_mul(io->den, io->den, x->den);
+	mpf_clear(other);
+}
+
+static void multiply_quotient(struct truth_quotient *io, const struct truth_quotient *by)
+{
+	mpf_mul(io->num, io->num, by->num);
+	mpf_mul(io->den, io->den, by->den);
+}
+
+/* Two bodies of different density: mass and centroid of the whole are those of the masses. */
+static void check_named(struct tally *t, struct truth part[2], uint64_t *state)
+{
+	const struct made_range names[] = {{0, "light"}, {12, "heavy"}, {24, NULL}};
+	struct mp_named_density densities[2] = {{"light", 5, random_between(state, 1, 2), 3, 0},
+						{"heavy", 5, random_between(state, 5, 9), 7, 0}};
+	struct mp_request request = request_plain();
+	struct random_mesh random;
+	struct mp_error err;
+	struct mp_report r;
+
+	mesh_random_boxes(&random, state);
+	request.named = densities;
+	request.named_count = 2;
+	if (made_report(&(struct made_file){.mesh = &random.mesh, .parts = names}, 1, &request, &r,
+			&err))
+		fail_msg("%s", err.text);
+	for (int i = 0; i < 2; i++) {
+		const struct truth_density d = {densities[i].density, densities[i].divisor, 0};
+		struct mesh half = {random.mesh.tri + 12 * i, 12, 12};
+
+		truth_find(&part[i], &half, &d);
+	}
+	for (int k = 0; k < 3; k++) { /* before the masses are added */
+		multiply_quotient(&part[0].centroid[k], &part[0].mass);
+		multiply_quotient(&part[1].centroid[k], &part[1].mass);
+		add_quotient(&part[0].centroid[k], &part[1].centroid[k]);
+	}
+	add_quotient(&part[0].mass, &part[1].mass);
+	count(t, MASS, r.bounds.mass, truth_ratio(&part[0].mass, r.total.mass, r.bounds.mass));
+	for (int k = 0; k < 3; k++) {
+		struct truth_quotient *c = &part[0].centroid[k];
+
+		mpf_mul(c->num, c->num, part[0].mass.den);
+		mpf_mul(c->den, c->den, part[0].mass.num);
+		count(t, CENTROID, r.bounds.centroid,
+		      truth_ratio(c, r.total.centroid[k], r.bounds.centroid));
+	}
+	mp_report_free(&r);
+	mesh_free(&random.mesh);
+}
+
+static void test_named_densities_are_bounded_too(void **unused)
+{
+	struct truth part[2];
+	struct tally t = {0};
+	uint64_t state = 7;
+
+	(void)unused;
+	truth_init(&part[0]);
+	truth_init(&part[1]);
+	for (int i = 0; i < 200; i++)
+		check_named(&t, part, &state);
+	truth_clear(&part[0]);
+	truth_clear(&part[1]);
+	assert_true(t.broken[MASS] == 0 && t.broken[CENTROID] == 0);
+	assert_true(t.worst[MASS] > 1e-3 && t.worst[CENTROID] > 1e-3);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -305,6 +383,7 @@ int main(void)
 	    cmocka_unit_test(test_nothing_is_nothing_for_certain),
 	    cmocka_unit_test(test_weighed_mass_has_no_error),
 	    cmocka_unit_test(test_error_of_the_density_is_taken_in),
+	    cmocka_unit_test(test_named_densities_are_bounded_too),
 	};
 
 	return cmocka_run_group_tests_name("bounds", tests, NULL, NULL);

@@ -165,6 +165,31 @@ static void test_opposite_cubes_have_no_volume_together(void **state)
 	mesh_free(&m);
 }
 
+/* Two cubes on one edge are one body; against each other, it has moments but no volume. */
+static void test_body_without_volume_has_moments(void **state)
+{
+	struct mesh m = {0};
+	struct mp_report r;
+
+	(void)state;
+	cube(&m, 0, 1, false);
+	cube(&m, 0, 1, true);
+	mesh_move(&m, 12, 1, 1, 0);
+	cube(&m, 4, 2, false);
+	report_of_binary(&m, NULL, &r);
+	assert_int_equal(r.topology.bodies, 2);
+	assert_true(r.body[0].mass.volume == 0 && !r.body[0].mass.centroid_defined);
+	assert_near(r.total.volume, 8, 1e-13);
+	/* 8*5 + 0.5 - 1.5 over 8, and in z 8*5 + 0.5 - 0.5 */
+	assert_near(r.total.centroid[0], 39 / 8., 1e-13);
+	assert_near(r.total.centroid[2], 5, 1e-13);
+	/* integral of xx: 8*(25 + 1/3) + 1/3 - 7/3; of zz: 8*(25 + 1/3) */
+	assert_near(r.inertia_origin[0][0], 16 * (25 + 1 / 3.) - 2, 1e-11);
+	assert_true(r.bounds.centroid < 1e-12 && r.bounds.inertia < 1e-11);
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
 static void test_overlapping_boxes_are_not_decided(void **state)
 {
 	struct mesh m = {0};
@@ -289,6 +314,7 @@ int main(void)
 	    cmocka_unit_test(test_hollow_cube_inside_out),
 	    cmocka_unit_test(test_two_cubes_apart_are_a_solid),
 	    cmocka_unit_test(test_opposite_cubes_have_no_volume_together),
+	    cmocka_unit_test(test_body_without_volume_has_moments),
 	    cmocka_unit_test(test_overlapping_boxes_are_not_decided),
 	    cmocka_unit_test(test_small_bodies_far_apart),
 	    cmocka_unit_test(test_open_box_has_an_area_and_no_volume),
