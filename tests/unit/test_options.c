@@ -85,6 +85,9 @@ static void no_options_are_the_defaults(void **state)
 	assert_int_equal(o.bodies, 100);
 	assert_int_equal(o.defects, 100);
 	assert_false(o.flip || o.strict || o.has_density || o.has_about || o.unit_given);
+	assert_int_equal(o.precision, MP_WISH_PRECISION_AUTO);
+	assert_int_equal(accepts("precision=certified").precision, MP_WISH_CERTIFIED);
+	assert_int_equal(accepts("precision=exact").precision, MP_WISH_EXACT);
 	assert_int_equal(api_options_query(&o, NULL, 0, &p), 0);
 	api_options_request(&o, &r);
 	assert_int_equal(r.density_kind, MP_DENSITY_NONE);
@@ -249,8 +252,6 @@ static void options_of_a_later_stage_take_their_default_alone(void **state)
 	later("orient=fix", "orient");
 	later("weld=0.1", "weld");
 	later("checks=closed", "checks");
-	later("precision=exact", "precision");
-	later("precision=certified", "precision");
 	later("resolution=1e-6", "resolution");
 	later("include=facets,digest", "include");
 	later("transform=1,0,0,0,0,1,0,0,0,0,1,0", "transform");
@@ -450,7 +451,7 @@ static void the_list_of_options_ends(void **state)
 	for (; api_option_name(n) != NULL; n++)
 		now += api_option_supported(n);
 	assert_int_equal(n, 22);
-	assert_int_equal(now, 15);
+	assert_int_equal(now, 16);
 	assert_null(api_option_name(n + 1000));
 	assert_false(api_option_supported(n));
 }
