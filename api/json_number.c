@@ -114,6 +114,13 @@ static bool fast(double x, struct decimal *d)
 	return true;
 }
 
+/*
+ * Without an exponent up to here.  The fewest digits of a larger whole number, padded with zeros,
+ * may be a neighbouring integer, and readers that have integers of any size (Python) take them as
+ * those: not as the double.  Below 10^16 they are the number itself.
+ */
+enum { PLAIN = 16 };
+
 static size_t lay_out(char *out, bool negative, const struct decimal *d)
 {
 	char *p = out;
@@ -121,7 +128,7 @@ static size_t lay_out(char *out, bool negative, const struct decimal *d)
 
 	if (negative)
 		*p++ = '-';
-	if (e >= 0 && e < 21) {
+	if (e >= 0 && e < PLAIN) {
 		for (i = 0; i < d->count || i <= e; i++) {
 			if (i == e + 1)
 				*p++ = '.';

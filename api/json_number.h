@@ -8,8 +8,10 @@ enum { API_NUMBER_SIZE = 32 };
 /*
  * api_json_number(out, x):
  * Print ${x} as a JSON number of at most 17 significant digits, the fewest that read back to the
- * same double, laid out as ECMAScript does (24000, 0.0648, 1e-12).  -0 prints as 0; NaN and the
- * infinities, which JSON cannot say, print as null.  Returns the length; a NUL stands behind it.
+ * same double, laid out as ECMAScript does (24000, 0.0648, 1e-12), but with an exponent from 10^16
+ * on: a number printed without point and exponent is that integer exactly.  -0 prints as 0; NaN
+ * and the infinities, which JSON cannot say, print as null.  Returns the length; a NUL stands
+ * behind it.
  * Locale-free, allocates nothing, cannot fail.
  */
 size_t api_json_number(char out[API_NUMBER_SIZE], double x);

@@ -1,9 +1,11 @@
 #include "core/bodies.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/predicates.h"
 #include "core/solid.h"
 
 bool mp_bodies_alone(const struct mp_mesh *mesh, const struct mp_topology *t)
@@ -53,6 +55,26 @@ static void take_box(const struct mp_moments *m, struct mp_box *box)
 	memcpy(box->max, m->max, sizeof box->max);
 }
 
+static bool all_collinear(const struct mp_mesh *mesh, const uint32_t *order, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		double p[3][3];
+
+		for (int k = 0; k < 3; k++)
+			mp_vertices_get(mesh->vertices, mesh->tri[order[i]][k], p[k]);
+		if (!mp_collinear(p[0], p[1], p[2]))
+			return false;
+	}
+	return true;
+}
+
+/* If every triangle is degenerate, area and volume are 0, whatever rounding left in the sums. */
+static void set_zero(struct mp_solid *solid)
+{
+	memset(solid, 0, sizeof *solid);
+	solid->in_range = solid->area_in_range = true;
+}
+
 static void measure(const struct mp_mesh *mesh, const struct mp_topology *t, struct mp_bodies *b,
 		    uint32_t i, struct mp_solid *solid)
 {
@@ -63,6 +85,8 @@ static void measure(const struct mp_mesh *mesh, const struct mp_topology *t, str
 	mp_moments_begin(&m);
 	mp_solid_add(&m, mesh, order, count);
 	mp_solid_find(&m, mesh, order, count, mp_body_has_volume(&t->body[i]), solid);
+	if (!solid->in_range && all_collinear(mesh, order, count))
+		set_zero(solid);
 	take_box(&m, &b->box[i]);
 }
 
@@ -139,17 +163,17 @@ static bool may_nest(const struct mp_bodies *b)
 }
 
 /*
- * An area of 0 is true only if every triangle is degenerate, else its squares underflowed; and if
- * every triangle is, area and volume are 0, whatever rounding left in the sums.
+ * An area of 0 is true only if every triangle is degenerate.  Else its squares underflowed, unless
+ * products that are no smaller cancelled: then it is 0 within its bound.
  */
 static void settle_zero(const struct mp_topology *t, uint32_t triangles, struct mp_solid *whole)
 {
 	if (t->degenerate_triangles < triangles) {
-		whole->area_in_range = whole->area_in_range && whole->area > 0;
+		if (whole->area == 0 && whole->area_bound < DBL_MIN)
+			whole->area_in_range = false;
 		return;
 	}
-	memset(whole, 0, sizeof *whole);
-	whole->in_range = whole->area_in_range = true;
+	set_zero(whole);
 }
 
 int mp_bodies_measure(const struct mp_mesh *mesh, const struct mp_topology *t, uint32_t most,

@@ -32,7 +32,7 @@ struct mp_exact_axis {
 struct mp_exact_grid {
 	struct mp_exact_axis axis[3];
 	/*
-	 * 1..62: of the widest axis; up to 30 and up to 48 are faster.  0: no fixed width, every
+	 * 1..62: of the widest axis; up to 30 and up to 50 are faster.  0: no fixed width, every
 	 * triangle goes through GMP; never found, for tests to set.
 	 */
 	unsigned bits;

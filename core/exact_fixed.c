@@ -13,11 +13,11 @@
  *
  * d is cut into limbs of 48 bits, unsigned but for the top one, so that limb * (63 bits and a
  * sign) has 111 and a block of 128 of them 118 bits: a column of 128 bits takes the products
- * whole, and no carry is looked at before the block is over.  Of 62 bits a coordinate d has 4
- * limbs, of 48 bits (d <= 2^143) 3, and of 30 bits (d <= 2^89) 2, where Q fits one word
- * (3*2^60) and n too (2*2^60).
+ * whole, and no carry is looked at before the block is over.  With 62 bits a coordinate d has 4
+ * limbs.  With 50, d <= 2^149, it has 3, the top one of 53 bits, their sums of 60.  With 30,
+ * d <= 2^89, it has 2, and Q <= 3*2^60 fits one word, n <= 2*2^60 too.
  */
-enum { LIMB = 48, MOST_LIMBS = 4, WORD = 63, MIDDLE_BITS = 48, NARROW_BITS = 30 };
+enum { LIMB = 48, MOST_LIMBS = 4, WORD = 63, MIDDLE_BITS = 50, NARROW_BITS = 30 };
 
 #define LIMB_MASK (((uint64_t)1 << LIMB) - 1)
 

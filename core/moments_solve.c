@@ -48,10 +48,10 @@ static struct mp_ball ball(const struct mp_sum *sum, long double error)
 	return mp_ball_add(mp_ball(sum->hi, error), mp_ball_exact(sum->lo));
 }
 
-/* Divided by a power of two or a small integer. */
+/* Divided by a power of two or a small integer, ${by} > 0. */
 static struct mp_ball divided(struct mp_ball a, long double by)
 {
-	return mp_ball_div(a, mp_ball_exact(by));
+	return by == 1 ? a : mp_ball_rounded(a.mid / by, a.rad / by);
 }
 
 static void solve_surface(const struct mp_moments *m, const struct mp_sum_errors *e,

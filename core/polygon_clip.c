@@ -4,16 +4,26 @@
 #include "core/predicates.h"
 
 /*
- * Polygons that come here cross themselves, often by rounding alone, and most of them can be split
- * well nevertheless.  An ear is a corner b with neighbours a and c, a b c counter-clockwise, such
- * that nothing of the rest of the boundary comes into the open triangle (Meisters 1975,
- * doi:10.1080/00029890.1975.11993898).  It is enough to look at the corners that are not strictly
- * convex: of what comes in, the point farthest from ac is such a corner, or touches ab or bc in
- * one.  A corner on the rim of the triangle is in the way only if one of its edges goes inside.
+ * Polygons that come here cross themselves.  An ear is a corner b with neighbours a and c, a b c
+ * counter-clockwise, such that nothing of the rest of the boundary comes into the open triangle
+ * (Meisters 1975, doi:10.1080/00029890.1975.11993898).  It is enough to look at the corners that
+ * are not strictly convex: of what comes in, the point farthest from ac is such a corner, or
+ * touches ab or bc in one.  A corner on the rim of the triangle is in the way only if one of its
+ * edges goes inside.
+ *
+ * Often it is rounding that made a polygon cross itself where it only touched itself before.  So
+ * three points are also tried to be on a line that nearly are; which of the tries was best is
+ * decided by the area of the triangles that are reversed.
  */
 
-/* An error of the area, relative, that counts. */
-#define TANGLED 1e-10
+/* How near, as a part of the polygon's size. */
+static const double tolerances[] = {0, 1e-14, 1e-10, 1e-6, 1e-4};
+
+enum { TRIES = sizeof tolerances / sizeof tolerances[0] };
+
+/* Reversed triangles, as a part of the polygon's area: as good as none; an area that is off. */
+#define GOOD    1e-10
+#define TANGLED 1e-6
 
 enum level {          /* what is clipped; the next where a whole round found nothing */
 	     CLEAN,   /* ears that no corner touches */
@@ -28,21 +38,34 @@ struct clip {
 	double (*xy)[2];
 	uint32_t *prev, *next; /* around the polygon that is left */
 	uint8_t *convex;
-	uint64_t work; /* steps, and corners looked at */
+	double size, tolerance; /* two lengths */
+	uint64_t work;          /* steps, and corners looked at */
 	uint32_t (*tri)[3];
 	uint32_t done;
 };
 
+/* On which side of the line from ${a} to ${b} lies ${p}?  1: left, 0: on it. */
+static int side_of(const struct clip *c, const double *a, const double *b, const double *p)
+{
+	double x = b[0] - a[0], y = b[1] - a[1];
+
+	if (c->tolerance > 0 &&
+	    fabs(x * (p[1] - a[1]) - y * (p[0] - a[0])) <= c->tolerance * fmax(fabs(x), fabs(y)))
+		return 0;
+	return mp_orient2d(a, b, p);
+}
+
 static int turn(const struct clip *c, uint32_t v)
 {
-	return mp_orient2d(c->xy[c->prev[v]], c->xy[v], c->xy[c->next[v]]);
+	return side_of(c, c->xy[c->prev[v]], c->xy[v], c->xy[c->next[v]]);
 }
 
 /* Does the edge from a corner on the rim to ${q} go inside?  ${side}: of the corner. */
-static bool goes_inside(const double *const tri[3], const int side[3], const double *q)
+static bool goes_inside(const struct clip *c, const double *const tri[3], const int side[3],
+			const double *q)
 {
 	for (int k = 0; k < 3; k++)
-		if (side[k] == 0 && mp_orient2d(tri[k], tri[(k + 1) % 3], q) <= 0)
+		if (side[k] == 0 && side_of(c, tri[k], tri[(k + 1) % 3], q) <= 0)
 			return false;
 	return true;
 }
@@ -53,12 +76,13 @@ static enum level judge(const struct clip *c, const double *const tri[3], uint32
 	int side[3];
 
 	for (int k = 0; k < 3; k++) {
-		side[k] = mp_orient2d(tri[k], tri[(k + 1) % 3], c->xy[v]);
+		side[k] = side_of(c, tri[k], tri[(k + 1) % 3], c->xy[v]);
 		if (side[k] < 0)
 			return CLEAN;
 	}
 	if ((side[0] > 0 && side[1] > 0 && side[2] > 0) ||
-	    goes_inside(tri, side, c->xy[c->prev[v]]) || goes_inside(tri, side, c->xy[c->next[v]]))
+	    goes_inside(c, tri, side, c->xy[c->prev[v]]) ||
+	    goes_inside(c, tri, side, c->xy[c->next[v]]))
 		return CONVEX;
 	return side[0] > 0 && side[1] > 0 ? TOUCHED : CLEAN;
 }
@@ -147,33 +171,47 @@ static void clip_all(struct clip *c)
 	}
 }
 
-/* Is the sum of the triangles' areas not the polygon's? */
-static bool is_off(const struct clip *c)
+/* The area of the reversed triangles as a part of the polygon's. */
+static double reversed(const struct clip *c)
 {
-	const double *o = c->xy[0];
-	double size = 0, sum = 0, off = 0;
+	double sum = 0, off = 0;
 
-	for (uint32_t i = 1; i < c->n; i++)
-		for (int k = 0; k < 2; k++)
-			size = fmax(size, fabs(c->xy[i][k] / 2 - o[k] / 2));
 	for (uint32_t i = 0; i < c->done; i++) {
 		const double *p = c->xy[c->tri[i][0]];
 		double d[2][2], area;
 
 		for (int k = 0; k < 4; k++)
 			d[k / 2][k % 2] =
-			    (c->xy[c->tri[i][1 + k / 2]][k % 2] / 2 - p[k % 2] / 2) / size;
+			    (c->xy[c->tri[i][1 + k / 2]][k % 2] / 2 - p[k % 2] / 2) / c->size;
 		area = d[0][0] * d[1][1] - d[0][1] * d[1][0];
 		sum += area;
 		off += area < 0 ? -area : 0;
 	}
-	return !(off <= TANGLED * sum);
+	return off <= TANGLED * sum ? off / sum : 1;
+}
+
+static double clip_with(struct clip *c, double tolerance)
+{
+	c->tolerance = 2 * c->size * tolerance;
+	c->left = c->n;
+	c->done = 0;
+	c->work = 0;
+	for (uint32_t i = 0; i < c->n; i++) {
+		c->prev[i] = i > 0 ? i - 1 : c->n - 1;
+		c->next[i] = i + 1 < c->n ? i + 1 : 0;
+	}
+	for (uint32_t i = 0; i < c->n; i++)
+		c->convex[i] = turn(c, i) > 0;
+	clip_all(c);
+	return reversed(c);
 }
 
 int polygon_clip(struct mp_polygon *p, const double (*xyz)[3], const uint32_t *corner, uint32_t n,
 		 const int axis[2], struct mp_error *err)
 {
-	struct clip c = {.n = n, .left = n, .tri = p->tri};
+	struct clip c = {.n = n, .tri = p->tri};
+	double best = 2, off = 2;
+	int which = 0;
 
 	c.xy = polygon_room(p, n * (sizeof *c.xy + 2 * sizeof *c.prev + sizeof *c.convex), err);
 	if (c.xy == NULL)
@@ -182,14 +220,20 @@ int polygon_clip(struct mp_polygon *p, const double (*xyz)[3], const uint32_t *c
 	c.next = c.prev + n;
 	c.convex = (void *)(c.next + n);
 	for (uint32_t i = 0; i < n; i++) {
-		c.xy[i][0] = xyz[corner[i]][axis[0]];
-		c.xy[i][1] = xyz[corner[i]][axis[1]];
-		c.prev[i] = i > 0 ? i - 1 : n - 1;
-		c.next[i] = i + 1 < n ? i + 1 : 0;
+		for (int k = 0; k < 2; k++) {
+			c.xy[i][k] = xyz[corner[i]][axis[k]];
+			c.size = fmax(c.size, fabs(c.xy[i][k] / 2 - c.xy[0][k] / 2));
+		}
 	}
-	for (uint32_t i = 0; i < n; i++)
-		c.convex[i] = turn(&c, i) > 0;
-	clip_all(&c);
-	p->tangled = is_off(&c);
+	for (int i = 0; i < TRIES && off > GOOD; i++) {
+		off = clip_with(&c, tolerances[i]);
+		if (off < best) {
+			best = off;
+			which = i;
+		}
+	}
+	if (off > best)
+		(void)clip_with(&c, tolerances[which]);
+	p->tangled = best > TANGLED;
 	return 0;
 }

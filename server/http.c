@@ -95,6 +95,16 @@ static void add_header(void *to, const char *name, const char *value)
 	(void)MHD_add_response_header(to, name, value);
 }
 
+/*
+ * The library reads from a resumed connection before it asks for the answer, so that whoever has
+ * closed its side meanwhile counts as gone.  Those with a timeout of their own have their turn
+ * before that: resumed ones get one that never strikes, until they are answered.
+ */
+static void set_timeout(struct srv_exchange *ex, unsigned seconds)
+{
+	(void)MHD_set_connection_option(ex->connection, MHD_CONNECTION_OPTION_TIMEOUT, seconds);
+}
+
 static enum MHD_Result send_answer(struct srv_exchange *ex)
 {
 	struct MHD_Response *response = make_response(&ex->reply);
@@ -106,6 +116,7 @@ static enum MHD_Result send_answer(struct srv_exchange *ex)
 	srv_reply_headers(ex, add_header, response);
 	ex->sent = true;
 	ex->sent_at = srv_now();
+	set_timeout(ex, 0);
 	queued = MHD_queue_response(ex->connection, (unsigned)ex->reply.status, response);
 	MHD_destroy_response(response);
 	return queued;
@@ -272,16 +283,12 @@ void srv_http_client_event(struct srv_http *h, int fd, uint32_t events)
 	srv_clients_event(&h->clients, fd, events);
 }
 
-/* Resumed, the library may meet the end of a half-closed client before it asks for the answer. */
 void srv_http_resume(struct srv_exchange *ex)
 {
 	if (!ex->suspended)
 		return;
-	if (ex->answered && ex->half_closed && ex->reply.len <= SRV_AT_ONCE) {
-		srv_http_last_words(ex);
-		ex->gone = ex->sent;
-	}
 	ex->suspended = false;
+	set_timeout(ex, 86400);
 	MHD_resume_connection(ex->connection);
 }
 
@@ -290,38 +297,12 @@ void srv_http_shut(struct srv_exchange *ex)
 	(void)shutdown(descriptor(ex->connection), SHUT_RDWR);
 }
 
-struct text {
-	char bytes[2048];
-	size_t len;
-};
-
-static void add_line(void *to, const char *name, const char *value)
-{
-	struct text *t = to;
-	size_t left = sizeof t->bytes - t->len;
-	int n = snprintf(t->bytes + t->len, left, "%s: %s\r\n", name, value);
-
-	if (n > 0 && (size_t)n < left)
-		t->len += (size_t)n;
-}
-
 void srv_http_last_words(struct srv_exchange *ex)
 {
-	struct text t = {.len = 0};
-	int fd = descriptor(ex->connection), size = 4 * SRV_AT_ONCE;
-	char length[24];
-
 	if (ex->sent || ex->reply.body == NULL)
 		return;
 	ex->reply.close = true;
-	t.len = (size_t)snprintf(t.bytes, sizeof t.bytes, "HTTP/1.1 %d %s\r\n", ex->reply.status,
-				 ex->reply.status < 400 ? "OK" : "Problem");
-	srv_reply_headers(ex, add_line, &t);
-	(void)snprintf(length, sizeof length, "%zu\r\n", ex->reply.len);
-	add_line(&t, "Content-Length", length);
-	(void)setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);
-	(void)send(fd, t.bytes, t.len, MSG_NOSIGNAL | MSG_DONTWAIT | MSG_MORE);
-	(void)send(fd, ex->reply.body, ex->reply.len, MSG_NOSIGNAL | MSG_DONTWAIT);
+	srv_reply_write(ex, descriptor(ex->connection));
 	ex->sent = true;
 }
 

@@ -27,8 +27,6 @@ int srv_http_timeout(struct srv_http *);
 /* Something happened to a client's socket: its end, an error. */
 void srv_http_client_event(struct srv_http *, int fd, uint32_t events);
 
-enum { SRV_AT_ONCE = 64 << 10 }; /* an answer that a socket's buffer takes for certain */
-
 void srv_http_resume(struct srv_exchange *); /* nothing where it is not suspended */
 void srv_http_shut(struct srv_exchange *);   /* end the connection under it */
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "server/clock.h"
@@ -70,6 +71,35 @@ void srv_reply_headers(const struct srv_exchange *ex, adder *add, void *to)
 	}
 	if (r->close)
 		add(to, "Connection", "close");
+}
+
+struct text {
+	char bytes[2048];
+	size_t len;
+};
+
+static void add_line(void *to, const char *name, const char *value)
+{
+	struct text *t = to;
+	size_t left = sizeof t->bytes - t->len;
+	int n = snprintf(t->bytes + t->len, left, "%s: %s\r\n", name, value);
+
+	if (n > 0 && (size_t)n < left)
+		t->len += (size_t)n;
+}
+
+void srv_reply_write(const struct srv_exchange *ex, int sock)
+{
+	struct text t = {.len = 0};
+	char length[24];
+
+	t.len = (size_t)snprintf(t.bytes, sizeof t.bytes, "HTTP/1.1 %d %s\r\n", ex->reply.status,
+				 ex->reply.status < 400 ? "OK" : "Problem");
+	srv_reply_headers(ex, add_line, &t);
+	(void)snprintf(length, sizeof length, "%zu\r\n", ex->reply.len);
+	add_line(&t, "Content-Length", length);
+	(void)send(sock, t.bytes, t.len, MSG_NOSIGNAL | MSG_DONTWAIT | MSG_MORE);
+	(void)send(sock, ex->reply.body, ex->reply.len, MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 
 /* ---- what a worker answers ---- */

@@ -36,7 +36,9 @@ static void torus(struct soup *s, unsigned n, double step)
 		}
 }
 
-static void measure(const char *name, unsigned n, double step, int gmp)
+enum way { AS_FOUND, BY_DIGITS, BY_GMP };
+
+static void measure(const char *name, unsigned n, double step, enum way way)
 {
 	struct soup soup = {0};
 	struct built built;
@@ -56,8 +58,10 @@ static void measure(const char *name, unsigned n, double step, int gmp)
 		if (mp_exact_grid_find(&built.mesh, &grid, NULL))
 			abort();
 		grid_s = fmin(grid_s, now() - start);
-		if (gmp)
+		if (way == BY_GMP)
 			grid.bits = 0;
+		for (uint32_t v = 0; way == BY_DIGITS && v < mp_vertices_count(built.vertices); v++)
+			grid.q[v][0] = MP_EXACT_OFF;
 		start = now();
 		if (mp_exact_find(&built.mesh, &grid, NULL, built.mesh.triangles, &e, NULL))
 			abort();
@@ -77,12 +81,13 @@ static void measure(const char *name, unsigned n, double step, int gmp)
 
 int main(void)
 {
-	measure("multiples of 2^-20", 708, 0x1p-20, 0);
-	measure("multiples of 2^-36", 708, 0x1p-36, 0);
-	measure("multiples of 2^-50", 708, 0x1p-50, 0);
-	measure("float32 (sin noise near 0)", 708, 0, 0);
-	measure("double (sin noise near 0)", 708, -1, 0);
-	measure("float32, all through GMP", 224, 0, 1);
-	measure("double, all through GMP", 224, -1, 1);
+	measure("multiples of 2^-20", 708, 0x1p-20, AS_FOUND);
+	measure("multiples of 2^-40", 708, 0x1p-40, AS_FOUND);
+	measure("multiples of 2^-50", 708, 0x1p-50, AS_FOUND);
+	measure("float32 (sin noise near 0)", 708, 0, AS_FOUND);
+	measure("double (sin noise near 0)", 708, -1, AS_FOUND);
+	measure("float32, all by digits", 224, 0, BY_DIGITS);
+	measure("float32, all through GMP", 224, 0, BY_GMP);
+	measure("double, all through GMP", 224, -1, BY_GMP);
 	return 0;
 }

@@ -128,6 +128,22 @@ def test_leaving_early(d):
           f"{seconds:.1f} s")
 
 
+def test_half_closed_in_company(d):
+    """The library reads before it answers, where other connections are older."""
+    for name, body, query in (("", FILE, ""), (" with a long answer", soup(2000), "defects=100000")):
+        with Wire(d.port), Wire(d.port, 20) as w:
+            until(lambda: len(workers(d.pid)) == 2)
+            crew = workers(d.pid)
+            kill(*crew, sig=signal.SIGSTOP)
+            w.send(post(body, query) * 2)
+            until(lambda: in_flight(d) == 1)
+            w.finish()
+            time.sleep(0.1)
+            kill(*crew, sig=signal.SIGCONT)
+            got = [a.status for a in w.read(2)]
+            check("who closes its side gets its answers" + name, got == [200, 200], got)
+
+
 def soup(n):
     """Triangles that have nothing to do with each other: three open edges each."""
     r = random.Random(1)
@@ -171,6 +187,7 @@ def test_a_limit_of_connections():
 with Daemon("--workers", "1", "--log-format", "json") as daemon:
     test_log(daemon)
     test_leaving_early(daemon)
+    test_half_closed_in_company(daemon)
     test_many_parameters(daemon)
 test_limit_at_a_full_ring()
 test_far_beyond_the_limit()

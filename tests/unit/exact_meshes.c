@@ -62,9 +62,9 @@ double exact_coordinate(enum exact_style style, int axis, uint64_t *state)
 	case NARROW_OVER:
 		return integer(state, 31);
 	case MIDDLE_EDGE:
-		return integer(state, 48);
+		return integer(state, 50);
 	case MIDDLE_OVER:
-		return integer(state, 49);
+		return integer(state, 51);
 	case FIXED_EDGE:
 		return integer(state, 62);
 	case FIXED_OVER:

@@ -9,7 +9,7 @@ enum exact_style { /* of coordinates; each has its own way through core/exact */
 		   SMALL_INTEGERS,
 		   NARROW_EDGE, /* 30 bits, with the extremes */
 		   NARROW_OVER, /* just more */
-		   MIDDLE_EDGE, /* 48 bits */
+		   MIDDLE_EDGE, /* 50 bits */
 		   MIDDLE_OVER,
 		   FIXED_EDGE, /* 62 bits */
 		   FIXED_OVER,

@@ -11,6 +11,8 @@
 
 static struct seen seen, other;
 
+#define V4 "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
 static void decode(const char *text, size_t len)
 {
 	seen_decode(&seen, text, len, SIZE_MAX, SIZE_MAX, 1000);
@@ -58,8 +60,6 @@ static void check_triangle(uint64_t i, uint32_t a, uint32_t b, uint32_t c)
 	assert_int_equal(seen.index[i][2], c);
 }
 
-#define V4 "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
-
 static void test_a_triangle(void **state)
 {
 	static const double TRI[9] = {0.5, -1e3, 0, 1, 0, 0.25, 1, 1, 0};
@@ -99,6 +99,11 @@ static void test_weights_and_colours(void **state)
 	REFUSE("v 1 2 3 4 5\n", MP_SYNTAX, 1);
 	REFUSE("v 1 2 3 4 5 6 7 8\n", MP_SYNTAX, 1);
 	REFUSE("v 1 2 3 4 red 6\n", MP_SYNTAX, 1);
+	REFUSE(V4 "v 1 2 3 4 5\nf 1 2 3\n", MP_SYNTAX, 5);
+	REFUSE(V4 "v 1 2\nf 1 2 3\n", MP_SYNTAX, 5);
+	REFUSE(V4 "v 1 2 3 4 5 6 7 8\nf 1 2 3\n", MP_SYNTAX, 5);
+	REFUSE(V4 "v 1 2 3 4 5 6 red\nf 1 2 3\n", MP_SYNTAX, 5);
+	REFUSE(V4 "v 1 1e999 3\nf 1 2 3\n", MP_NON_FINITE, 5);
 }
 
 static void test_numbers_that_are_none(void **state)
@@ -144,6 +149,15 @@ static void test_forms_of_corners(void **state)
 	REFUSE(V4 "f 1, 2, 3\n", MP_SYNTAX, 5);
 	REFUSE(V4 "f 1 2 3/x\n", MP_SYNTAX, 5);
 	assert_int_equal(seen.err.byte, 32 + 6);
+	REFUSE("\xef\xbb\xbf" V4 "f 1 2 3/x\n", MP_SYNTAX, 5);
+	assert_int_equal(seen.err.byte, 3 + 32 + 6);
+	/* the same once a face has been read */
+	REFUSE(V4 "f 1 2 3\nf 1 2 3/\nf 1 2 3//x\n", MP_SYNTAX, 7);
+	REFUSE(V4 "f 1 2 3\nf 1 2 3/-\nf 1 2 3\n", MP_SYNTAX, 6);
+	REFUSE(V4 "f 1 2 3\nf 1 2 3/1/1/1\nf 1 2 3\n", MP_SYNTAX, 6);
+	REFUSE(V4 "f 1 2 3\nf 1 2 0\nf 1 2 3\n", MP_BAD_INDEX, 6);
+	REFUSE(V4 "f 1 2 3\nf 1 2 -5\nf 1 2 3\n", MP_BAD_INDEX, 6);
+	REFUSE(V4 "f 1 2 3\nf 1 2 5\nf 1 2 3\n", MP_BAD_INDEX, 6);
 }
 
 static void test_faces_need_three_corners(void **state)
@@ -153,6 +167,8 @@ static void test_faces_need_three_corners(void **state)
 	REFUSE(V4 "f 1\n", MP_SYNTAX, 5);
 	REFUSE(V4 "f 1// 2//\nf 1 2 3\n", MP_SYNTAX, 5);
 	REFUSE(V4 "f 1 2", MP_SYNTAX, 5);
+	REFUSE(V4 "f 1 2 3\nf 1 2\nf 1 2 3\n", MP_SYNTAX, 6);
+	REFUSE(V4 "f 1 2 3\nf 1 2 \\\n\nf 1 2 3\n", MP_SYNTAX, 6);
 	ACCEPT(V4 "f 1 1 1\n"); /* the mesh is judged elsewhere */
 }
 

@@ -190,6 +190,46 @@ static void test_body_without_volume_has_moments(void **state)
 	mesh_free(&m);
 }
 
+/* Beside an open part, so that only the body's own sums say what it is. */
+static void test_collinear_body_is_not_out_of_range(void **state)
+{
+	const double a[3] = {0.5, 1, 1.5}, b[3] = {0, 2, 1}, c[3] = {1, 0, 2};
+	struct mesh m = {0};
+	struct mp_report r;
+
+	(void)state;
+	cube(&m, 4, 1, false);
+	m.count--;
+	mesh_triangle(&m, a, b, c);
+	report_of_binary(&m, NULL, &r);
+	assert_int_equal(r.topology.degenerate_triangles, 1);
+	assert_true(r.body[1].mass.volume_defined && r.body[1].mass.volume == 0);
+	assert_warnings(&r, BIT(MP_WARN_OPEN) | BIT(MP_WARN_DEGENERATE));
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
+/* Its products cancel in doubles: an area below their rounding is 0 within the bound, not lost. */
+static void test_sliver_has_an_area(void **state)
+{
+	const double a[3] = {-0.3390545887818574, 1.1761698145259567, 0.040823439638797365};
+	const double b[3] = {-0.6781091775637148, 1.8963407983886706, 0.9716272534621918};
+	const double c[3] = {0, 0.45599883066324265, -0.8899803741845971};
+	struct mesh m = {0};
+	struct mp_report r;
+
+	(void)state;
+	mesh_triangle(&m, b, c, a);
+	report_of_ascii(&m, NULL, &r);
+	assert_int_equal(r.topology.degenerate_triangles, 0);
+	assert_true(r.total.area_defined);
+	assert_near(r.total.area, 5.5e-17, r.bounds.area);
+	assert_true(r.bounds.area < 1e-14);
+	assert_warnings(&r, BIT(MP_WARN_OPEN));
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
 static void test_overlapping_boxes_are_not_decided(void **state)
 {
 	struct mesh m = {0};
@@ -315,6 +355,8 @@ int main(void)
 	    cmocka_unit_test(test_two_cubes_apart_are_a_solid),
 	    cmocka_unit_test(test_opposite_cubes_have_no_volume_together),
 	    cmocka_unit_test(test_body_without_volume_has_moments),
+	    cmocka_unit_test(test_collinear_body_is_not_out_of_range),
+	    cmocka_unit_test(test_sliver_has_an_area),
 	    cmocka_unit_test(test_overlapping_boxes_are_not_decided),
 	    cmocka_unit_test(test_small_bodies_far_apart),
 	    cmocka_unit_test(test_open_box_has_an_area_and_no_volume),
