@@ -73,10 +73,9 @@ static void add_limits(struct api_json *j, const struct api_limits_in_force *lim
 
 char *api_capabilities_json(const struct api_limits_in_force *limits, size_t *len)
 {
-	const char *const formats[] = {api_format_word(MP_FORMAT_STL_BINARY),
-				       api_format_word(MP_FORMAT_STL_ASCII),
-				       api_format_word(MP_FORMAT_OBJ),
-				       api_format_word(MP_FORMAT_DRACO)};
+	const char *const formats[] = {
+	    api_format_word(MP_FORMAT_STL_BINARY), api_format_word(MP_FORMAT_STL_ASCII),
+	    api_format_word(MP_FORMAT_OBJ), api_format_word(MP_FORMAT_DRACO)};
 	struct api_json j;
 	cJSON *root = api_json_begin(&j);
 

@@ -241,7 +241,7 @@ void mp_exact_axis_moment(const struct mp_exact *e, const struct mp_exact_densit
 			  const double origin[3], const double direction[3],
 			  struct mp_exact_value *moment, struct mp_exact_value *radius)
 {
-	struct mp_exact_value ignored = {0, 0, false};
+	struct mp_exact_value ignored = {.defined = false};
 	struct mp_big num, den, square, a0;
 
 	moment = moment != NULL ? moment : &ignored;

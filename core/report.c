@@ -184,7 +184,8 @@ static void set_masses(const struct mp_request *request, const struct mp_named *
 }
 
 static int fill(struct mp_analysis *a, const struct mp_request *request, struct mp_report *r,
-		struct mp_named *named, struct mp_bodies *bodies, struct mp_error *err)
+		struct mp_named *named, struct mp_bodies *bodies, struct mp_report_exact *x,
+		struct mp_error *err)
 {
 	const struct mp_mesh mesh = {r->vertices, (const uint32_t(*)[3])r->tri, r->triangles};
 	struct mp_density density;
@@ -203,11 +204,13 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	r->by_index = a->by_index;
 	mp_index_compare(&r->by_index, &r->topology);
 	set_masses(request, named, &whole, &density, r);
+	if (mp_report_exact_whole(x, request, &mesh, bodies, r, err))
+		return -1;
 	warn(r);
 	if (mp_bodies_judge(bodies, r, err) ||
 	    mp_bodies_list(bodies, &density, named, &a->names, r, err))
 		return -1;
-	return mp_report_exact(request, &mesh, bodies, r, err);
+	return mp_report_exact_bodies(x, request, &mesh, bodies, r, err);
 }
 
 int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,
@@ -215,6 +218,7 @@ int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,
 {
 	struct mp_bodies bodies = {0};
 	struct mp_named named = {0};
+	struct mp_report_exact exact = {.wanted = false};
 	int ret;
 
 	if (!a->ended) {
@@ -222,7 +226,8 @@ int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,
 		return mp_fail(err, MP_BUG, MP_NO_BYTE, "a report without an ended file");
 	}
 	take_mesh(a, request, out);
-	ret = fill(a, request, out, &named, &bodies, err);
+	ret = fill(a, request, out, &named, &bodies, &exact, err);
+	mp_report_exact_free(&exact);
 	mp_bodies_free(&bodies);
 	mp_named_free(&named);
 	if (ret)

@@ -22,7 +22,6 @@ enum { MOST_AUTO = 20000 };
 static bool possible(const struct mp_request *request, const struct mp_report *r)
 {
 	return request->precision != MP_WISH_CERTIFIED && request->named_count == 0 &&
-	       mp_has_volume(&r->topology) && r->total.volume_defined &&
 	       (request->precision == MP_WISH_EXACT || r->triangles <= MOST_AUTO);
 }
 
@@ -155,67 +154,136 @@ static bool all_defined(const struct mp_exact *e, const struct mp_exact_density 
 	return !r->inertia_origin_defined || t.defined;
 }
 
-static int put_bodies(const struct mp_mesh *mesh, const struct mp_exact_grid *grid,
-		      const struct mp_bodies *bodies, const struct mp_exact_density *density,
-		      struct mp_report *r, struct mp_error *err)
+/* A volume that the certified sums could not tell from 0 is one after all. */
+static void revive(struct mp_mass *m)
 {
-	for (uint32_t b = 0; b < r->bodies_listed; b++) {
-		struct mp_exact e = {.limb = NULL};
+	m->centroid_defined = true;
+	m->inertia_defined = m->mass_defined;
+}
 
-		if (!r->body[b].mass.volume_defined || r->body[b].mass.volume == 0)
+static void put_whole(const struct mp_request *request, const struct mp_exact *e,
+		      const struct mp_exact_density *density, struct mp_report *r)
+{
+	struct mp_mass before = r->total;
+	bool origin_before = r->inertia_origin_defined;
+	struct mp_exact_value v;
+
+	if (mp_exact_sign(e) == 0) {
+		if (r->total.volume != 0)
+			return;
+		r->bounds.volume = 0;
+		r->precision = MP_PRECISION_EXACT;
+		return;
+	}
+	if (!before.centroid_defined) {
+		revive(&r->total);
+		r->inertia_origin_defined = r->total.inertia_defined;
+	}
+	if (!all_defined(e, density, r)) {
+		r->total = before;
+		r->inertia_origin_defined = origin_before;
+		return;
+	}
+	put_mass(e, density, &r->total);
+	put_inertia(request, e, density, r);
+	put_bounds(request, e, density, r);
+	if (request->density_kind == MP_DENSITY_FROM_MASS && r->density_defined) {
+		mp_exact_density(density, &v);
+		r->density = v.defined ? v.value : r->density;
+	}
+	r->precision = MP_PRECISION_EXACT;
+}
+
+/* Which way the bodies are wound that seemed to be flat. */
+static int settle_winding(const struct mp_mesh *mesh, const struct mp_exact_grid *grid,
+			  const struct mp_report *r, struct mp_bodies *bodies, struct mp_error *err)
+{
+	for (uint32_t b = 0; b < bodies->count; b++) {
+		struct mp_exact e;
+		int sign;
+
+		if (bodies->winding[b] != MP_ORIENTATION_NONE ||
+		    !mp_body_has_volume(&r->topology.body[b]))
 			continue;
 		if (mp_exact_find(mesh, grid, bodies->order + bodies->start[b],
 				  bodies->start[b + 1] - bodies->start[b], &e, err))
 			return -1;
-		put_mass(&e, density, &r->body[b].mass);
+		sign = mp_exact_sign(&e);
+		if (sign != 0)
+			bodies->winding[b] =
+			    (uint8_t)(sign > 0 ? MP_ORIENTATION_OUTWARD : MP_ORIENTATION_INWARD);
 		mp_exact_free(&e);
 	}
 	return 0;
 }
 
-static int put_all(const struct mp_request *request, const struct mp_mesh *mesh,
-		   const struct mp_exact_grid *grid, const struct mp_bodies *bodies,
-		   struct mp_report *r, struct mp_error *err)
+int mp_report_exact_whole(struct mp_report_exact *x, const struct mp_request *request,
+			  const struct mp_mesh *mesh, struct mp_bodies *bodies, struct mp_report *r,
+			  struct mp_error *err)
+{
+	struct mp_exact_density made;
+	struct mp_exact whole;
+
+	if (!possible(request, r))
+		return 0;
+	if (mp_exact_grid_find(mesh, &x->grid, err))
+		return -1;
+	x->wanted = request->precision == MP_WISH_EXACT || r->triangles <= most_by_width(&x->grid);
+	if (!x->wanted)
+		return 0;
+	if (settle_winding(mesh, &x->grid, r, bodies, err))
+		return -1;
+	if (!mp_has_volume(&r->topology) || !r->total.volume_defined)
+		return 0;
+	if (mp_exact_find(mesh, &x->grid, NULL, mesh->triangles, &whole, err))
+		return -1;
+	put_whole(request, &whole, density_of(request, &whole, &made), r);
+	mp_exact_free(&whole);
+	return 0;
+}
+
+static void put_body(const struct mp_exact *e, const struct mp_exact_density *density,
+		     struct mp_body *body)
+{
+	if (mp_exact_sign(e) == 0)
+		return;
+	if (!body->mass.centroid_defined)
+		revive(&body->mass);
+	put_mass(e, density, &body->mass);
+}
+
+int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_request *request,
+			   const struct mp_mesh *mesh, const struct mp_bodies *bodies,
+			   struct mp_report *r, struct mp_error *err)
 {
 	struct mp_exact_density made;
 	const struct mp_exact_density *density;
-	struct mp_exact_value v;
-	struct mp_exact whole;
+	struct mp_exact whole = {.limb = NULL};
 	int rc = 0;
 
-	if (mp_exact_find(mesh, grid, NULL, mesh->triangles, &whole, err))
+	if (!x->wanted)
+		return 0;
+	if (request->density_kind == MP_DENSITY_FROM_MASS &&
+	    mp_exact_find(mesh, &x->grid, NULL, mesh->triangles, &whole, err))
 		return -1;
 	density = density_of(request, &whole, &made);
-	if (mp_exact_sign(&whole) == 0 && r->total.volume == 0) {
-		r->bounds.volume = 0;
-		r->precision = MP_PRECISION_EXACT;
-	} else if (r->total.volume != 0 && all_defined(&whole, density, r)) {
-		put_mass(&whole, density, &r->total);
-		put_inertia(request, &whole, density, r);
-		put_bounds(request, &whole, density, r);
-		if (request->density_kind == MP_DENSITY_FROM_MASS) {
-			mp_exact_density(density, &v);
-			r->density = v.defined ? v.value : r->density;
+	for (uint32_t b = 0; b < r->bodies_listed && rc == 0; b++) {
+		struct mp_exact e;
+
+		if (!r->body[b].mass.volume_defined)
+			continue;
+		rc = mp_exact_find(mesh, &x->grid, bodies->order + bodies->start[b],
+				   bodies->start[b + 1] - bodies->start[b], &e, err);
+		if (rc == 0) {
+			put_body(&e, density, &r->body[b]);
+			mp_exact_free(&e);
 		}
-		r->precision = MP_PRECISION_EXACT;
-		rc = put_bodies(mesh, grid, bodies, density, r, err);
 	}
 	mp_exact_free(&whole);
 	return rc;
 }
 
-int mp_report_exact(const struct mp_request *request, const struct mp_mesh *mesh,
-		    const struct mp_bodies *bodies, struct mp_report *report, struct mp_error *err)
+void mp_report_exact_free(struct mp_report_exact *x)
 {
-	struct mp_exact_grid grid;
-	int rc = 0;
-
-	if (!possible(request, report))
-		return 0;
-	if (mp_exact_grid_find(mesh, &grid, err))
-		return -1;
-	if (request->precision == MP_WISH_EXACT || report->triangles <= most_by_width(&grid))
-		rc = put_all(request, mesh, &grid, bodies, report, err);
-	mp_exact_grid_free(&grid);
-	return rc;
+	mp_exact_grid_free(&x->grid);
 }

@@ -4,6 +4,7 @@
 #include "core/analysis.h"
 #include "core/ball.h"
 #include "core/bodies.h"
+#include "core/exact.h"
 #include "core/report.h"
 
 /* Parts of the making of a report that report.c shares. */
@@ -14,14 +15,28 @@
  */
 void mp_report_principal(struct mp_report *report, double tensor, struct mp_ball mass);
 
+/* Exact numbers beside the certified ones; all 0 is ready. */
+struct mp_report_exact {
+	bool wanted;
+	struct mp_exact_grid grid;
+};
+
 /*
  * Where the request wants it (or leaves it open and it costs less than a millisecond), put results
- * that are rounded once from exact numbers in the place of the certified ones, with their bounds.
- * The certified ones stay where names have densities of their own, and for a solid whose volume is
- * too small to be told from 0 by them, so that the verdicts on its winding are of one mind.
- * -1: memory is out.
+ * that are rounded once from exact numbers in the place of the certified ones of the whole, with
+ * their bounds, and settle the winding of bodies whose volume could not be told from 0.  Before
+ * verdicts are given.  The certified ones stay where names have densities of their own, where
+ * some exact result is beyond the range of doubles, and for what is not closed.
+ * -1: memory is out.  Free ${x} with mp_report_exact_free(), after a failure too.
  */
-int mp_report_exact(const struct mp_request *request, const struct mp_mesh *mesh,
-		    const struct mp_bodies *bodies, struct mp_report *report, struct mp_error *err);
+int mp_report_exact_whole(struct mp_report_exact *x, const struct mp_request *request,
+			  const struct mp_mesh *mesh, struct mp_bodies *bodies,
+			  struct mp_report *report, struct mp_error *err);
+
+/* The same for the bodies, once they are listed. */
+int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_request *request,
+			   const struct mp_mesh *mesh, const struct mp_bodies *bodies,
+			   struct mp_report *report, struct mp_error *err);
+void mp_report_exact_free(struct mp_report_exact *x);
 
 #endif

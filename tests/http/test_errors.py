@@ -54,7 +54,7 @@ def test_file_faults(d):
     check_problem("NaN in a text", a, 422, "non_finite", line=4, byte=True)
     lines[3] = b"vertex 1 1e999 2"
     check_problem("1e999 in a text", d.post(b"\n".join(lines)), 422, "non_finite", line=4)
-    for bad in (b"vertex 1 2", b"vertex 1 2 x", b"vertex 1 2 3 4", b"vertx 1 2 3", b"vertex 1,2,3"):
+    for bad in (b"vertex 1 2", b"vertex 1 2 x", b"vertex 1 2 3 4", b"vertez 1 2 3", b"vertex 1,2,3"):
         lines[3] = bad
         a = d.post(b"\n".join(lines))
         check_problem(f"{bad.decode()!r}: unreadable", a, 422, "unreadable", line=True)

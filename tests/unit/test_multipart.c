@@ -517,8 +517,8 @@ static void boundaries_are_read_from_the_header(void **state)
 	    "multipart/form-data; boundary=\"a\\\"b\"",
 	    "multipart/form-data; boundary=caf\xc3\xa9",
 	    "multipart/form-data; boundary=a; boundary=a",
-	    "multipart/form-data; boundary=1234567890123456789012345678901234567890"
-	    "1234567890123456789012345678901",
+	    ("multipart/form-data; boundary=1234567890123456789012345678901234567890"
+	     "1234567890123456789012345678901"),
 	};
 	struct api_media m;
 

@@ -503,6 +503,29 @@ static void test_corners_along_a_line(void **state)
 	free(s.p);
 }
 
+/* Is every corner one of a triangle, as a point? */
+static void check_all_used(const struct shape *s)
+{
+	double xyz[16][3] = {{0}};
+	uint32_t corner[16];
+	struct mp_polygon p = {0};
+	struct mp_error err;
+
+	for (uint32_t i = 0; i < s->n; i++) {
+		corner[i] = i;
+		memcpy(xyz[i], s->p[i], sizeof s->p[i]);
+	}
+	assert_int_equal(mp_polygon_split(&p, (const double(*)[3])xyz, corner, s->n, &err), 0);
+	for (uint32_t i = 0; i < s->n; i++) {
+		bool used = false;
+
+		for (uint32_t k = 0; k < 3 * (s->n - 2); k++)
+			used = used || before(xyz[p.tri[k / 3][k % 3]], xyz[i]) == 0;
+		assert_true(used);
+	}
+	mp_polygon_free(&p);
+}
+
 static void test_repeated_corners_and_spikes(void **state)
 {
 	static const double SQUARE[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -529,6 +552,7 @@ static void test_repeated_corners_and_spikes(void **state)
 			add(&s, x, y);
 		}
 		check_area(&s);
+		check_all_used(&s);
 	}
 	free(s.p);
 }
@@ -543,11 +567,18 @@ static void test_boundaries_that_touch(void **state)
 	static const double Q[][2] = {
 	    {0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {0, 2}, {1, 3}, {4, 2}, {2, 0}, {1, 1},
 	};
+	static const double R[][2] = {
+	    {0, 0}, {2, -2}, {2, -1}, {0, 0}, {2, 1}, {2, 2}, {0, 0}, {-2, 1}, {-2, -1},
+	};
 	struct shape s = {0};
 
 	(void)state;
 	for (size_t i = 0; i < sizeof P / sizeof *P; i++)
 		add(&s, P[i][0], P[i][1]);
+	check_area(&s);
+	s.n = 0;
+	for (size_t i = 0; i < sizeof R / sizeof *R; i++)
+		add(&s, R[i][0], R[i][1]);
 	check_area(&s);
 	s.n = 0;
 	for (size_t i = 0; i < sizeof Q / sizeof *Q; i++)

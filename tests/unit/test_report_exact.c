@@ -182,6 +182,57 @@ static void a_volume_of_nothing_and_open_meshes_stay_as_they_are(void **state)
 	mesh_free(&m);
 }
 
+/* Two far tetrahedra wound against each other: the sums cancel down to less than their bound. */
+static void what_rounding_takes_for_nothing_is_told_from_it(void **state)
+{
+	static const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1},
+			    tiny[3] = {0x1p-20, 0x1p-20, 0x1p-20};
+	struct mp_request request = wish(MP_WISH_EXACT);
+	struct mesh m = {0};
+	struct mp_report r;
+	size_t from;
+
+	(void)state;
+	mesh_box(&m, low, high);
+	from = m.count;
+	mesh_box(&m, low, high);
+	mesh_flip(&m, from);
+	mesh_move(&m, from, 4, 0, 0);
+	from = m.count;
+	mesh_box(&m, low, tiny);
+	mesh_move(&m, from, 2, 2, 2);
+	request.density_kind = MP_DENSITY_NONE;
+	report_of_binary(&m, &request, &r);
+	assert_int_equal(r.precision, MP_PRECISION_EXACT);
+	assert_true(r.total.volume == 0x1p-60 && r.bounds.volume == 0);
+	assert_true(r.total.centroid_defined && !MP_WARNED(&r, MP_WARN_ZERO_VOLUME));
+	assert_true(r.body[2].mass.volume == 0x1p-60);
+	assert_int_equal(r.body[2].orientation, MP_ORIENTATION_OUTWARD);
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
+/* What is open as a whole may have closed bodies. */
+static void bodies_of_an_open_mesh_are_exact(void **state)
+{
+	static const double low[3] = {0, 0, 0}, high[3] = {3, 1, 1}, a[3] = {9, 0, 0},
+			    b[3] = {9, 1, 0}, c[3] = {9, 0, 1};
+	struct mp_request request = wish(MP_WISH_EXACT);
+	struct mesh m = {0};
+	struct mp_report r;
+
+	(void)state;
+	mesh_triangle(&m, a, b, c);
+	mesh_box(&m, low, high);
+	request.density = 7;
+	request.density_divisor = 3;
+	report_of_binary(&m, &request, &r);
+	assert_false(r.total.volume_defined);
+	assert_true(r.body[1].mass.volume == 3 && r.body[1].mass.mass == 7);
+	mp_report_free(&r);
+	mesh_free(&m);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -189,6 +240,8 @@ int main(void)
 	    cmocka_unit_test(exact_and_certified_agree_within_both_bounds),
 	    cmocka_unit_test(auto_is_exact_for_small_meshes_only),
 	    cmocka_unit_test(points_axes_and_a_weighed_mass_are_exact_too),
+	    cmocka_unit_test(what_rounding_takes_for_nothing_is_told_from_it),
+	    cmocka_unit_test(bodies_of_an_open_mesh_are_exact),
 	    cmocka_unit_test(a_volume_of_nothing_and_open_meshes_stay_as_they_are),
 	};
 
