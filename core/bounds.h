@@ -8,23 +8,23 @@
 /*
  * Rigorous a-posteriori bounds of the arithmetic: how far a result is at most from the exact value
  * of the mesh as stored.  Higham, Accuracy and Stability of Numerical Algorithms, 2002, chapters 3
- * and 4.  u = 2^-53; a value with a hat of the mind is a computed one.
+ * and 4.  u = 2^-53; d, e, n, q, s and so on as in moments.h.
  *
  * 1. One triangle.  Every operation loses at most u of its result, so of
  *      d = sum a_k n_k, n = e x f, p = sum |a_k|(|products in n_k|)
  *    edges lose u each, a product u, the difference u, a_k u, its product u, the sum 2u: in all
- *    |dd| <= 8u p.  s = a + (b + c) and m = uu + ww + vv (u = a + b and so on, for axes i and j)
- *    are within 3u sqrt(w_i) and 9u sqrt(w_i w_j), where
- *      w_i = ai ai + bi bi + ci ci + si si = ui ui + wi wi + vi vi,
- *    by Cauchy and Schwarz: |si| and the norm of (ui, vi, wi) are at most sqrt(w_i), the norm of
- *    (|ai|+|bi|, |bi|+|ci|, |ci|+|ai|) at most 2 sqrt(w_i).  With the product's own u:
- *      |d(d s_i)| <= u (8p + 4|d|) sqrt(w_i), |d(d m_ij)| <= u (8p + 10|d|) sqrt(w_i w_j).
+ *    |dd| <= 8u p.  s = a + (b + c) and m = uu + ww + vv (u = a + b, w = c + a, v = b + c)
+ *    are within 3u sqrt(W_i) and 9u sqrt(W_i W_j), where
+ *      W_i = ai ai + bi bi + ci ci + si si = ui ui + wi wi + vi vi,
+ *    by Cauchy and Schwarz: |si| and the norm of (ui, vi, wi) are at most sqrt(W_i), the norm of
+ *    (|ai|+|bi|, |bi|+|ci|, |ci|+|ai|) at most 2 sqrt(W_i).  With the product's own u:
+ *      |d(d s_i)| <= u (8p + 4|d|) sqrt(W_i), |d(d m_ij)| <= u (8p + 10|d|) sqrt(W_i W_j).
  * 2. A block.  A term takes part in 13 additions that round (8 to a lane, 4 rounds, 3 folds; the
  *    first to a lane and to a round is exact): 13u of the sum of |terms|.  So with
- *    g = 8p + 24|d| the error of a block is u times sum g, sum g sqrt(w_i), sum g sqrt(w_i w_j).
+ *    g = 8p + 24|d| the error of a block is u times sum g, sum g sqrt(W_i), sum g sqrt(W_i W_j).
  * 3. n blocks.  TwoSum loses nothing but the rounding of the sum of its errors, each of which is at
  *    most u of a partial sum: n^2 u^2 of the sum of |terms|.
- * 4. The sums of g sqrt(w_i w_j) are not formed: sqrt(sum g w_i * sum g w_j) is not less, again by
+ * 4. The sums of g sqrt(W_i W_j) are not formed: sqrt(sum g W_i * sum g W_j) is not less, again by
  *    Cauchy and Schwarz.  Rounding in the doubts themselves and terms of second order are less
  *    than 2^-20 of them.
  * 5. Area.  n_k is within 4u of t_k = (|products in n_k|), its length of that and 3u more, and 13u

@@ -74,7 +74,6 @@ static void set_surface(const struct mp_solid *whole, struct mp_report *r)
 		r->surface_centroid[k] = (double)whole->surface_centroid[k];
 }
 
-/* Moments that the bound cannot tell apart are one. */
 static void set_inertia(const struct mp_request *request, const struct mp_solid *whole,
 			const struct mp_density *density, struct mp_report *r)
 {
