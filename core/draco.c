@@ -267,7 +267,7 @@ static int draco_finish(void *state, struct mp_error *err)
 	int ret;
 
 	if (d->len == 0)
-		return mp_fail(err, MP_EMPTY, MP_NO_BYTE, "the file is empty");
+		return mp_fail(err, MP_EMPTY, MP_NO_BYTE, "it has 0 bytes");
 	if (memcmp(d->file, "DRACO", d->len < 5 ? d->len : 5) != 0)
 		return mp_fail(err, MP_SYNTAX, 0, "no Draco file: it does not begin with DRACO");
 	if (d->len < MP_DRACO_KIND)

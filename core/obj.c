@@ -105,7 +105,7 @@ static int finish(void *state, struct mp_error *err)
 	struct mp_notes *n = o->notes;
 
 	if (n->bytes == 0)
-		return mp_fail(err, MP_EMPTY, MP_NO_BYTE, "the file is empty");
+		return mp_fail(err, MP_EMPTY, MP_NO_BYTE, "it has 0 bytes");
 	if ((!o->begun && take_head(o, err)) || obj_text_finish(o, err) || obj_finish_faces(o, err))
 		return -1;
 	n->vertices_in_file = o->vertices;

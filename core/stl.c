@@ -66,7 +66,8 @@ static int decide(struct stl *s, bool whole, struct mp_error *err)
 		return mp_fail(err, MP_SYNTAX, 0, "no STL: this seems to be %s", hint);
 	default:
 		return mp_fail(err, MP_TRUNCATED, len,
-			       "only %zu bytes: an STL has 84 or more, or begins with solid", len);
+			       "only %zu bytes; a binary STL has 84 or more, a text one has facets",
+			       len);
 	}
 	s->at = begin;
 	return pass_on(s, s->window + begin, len - begin, err);
@@ -101,7 +102,7 @@ static int stl_finish(void *state, struct mp_error *err)
 	struct stl *s = state;
 
 	if (s->notes->bytes == 0)
-		return mp_fail(err, MP_EMPTY, MP_NO_BYTE, "the file is empty");
+		return mp_fail(err, MP_EMPTY, MP_NO_BYTE, "it has 0 bytes");
 	if (s->kind == STL_UNDECIDED && decide(s, true, err))
 		return -1;
 	if (s->kind == STL_BINARY ? stl_binary_finish(s, err) : stl_text_finish(s, err))

@@ -14,6 +14,7 @@
 #include "server/clock.h"
 #include "server/front_private.h"
 #include "server/http.h"
+#include "server/worker.h"
 
 static const double grace_s = 0.5; /* of a worker that was told to drop its job, or leaves */
 
@@ -106,6 +107,9 @@ static void blame(struct srv_exchange *ex, int status)
 		(void)api_problem_set(&problem, API_WORKER_LOST,
 				      "the worker on this request was ended from outside; nothing "
 				      "is wrong with the file");
+	else if (WIFEXITED(status) && WEXITSTATUS(status) == SRV_EXIT_NO_MEMORY)
+		(void)api_problem_set(&problem, API_TOO_EXPENSIVE,
+				      "the request needs more memory than one request may use");
 	else
 		(void)api_problem_set(
 		    &problem, API_DECODER_CRASHED,

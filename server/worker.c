@@ -138,7 +138,7 @@ static int place_answer(struct worker *w, const struct api_answer *a)
 	} else {
 		fd = memfd_create("answer", MFD_CLOEXEC);
 		if (fd < 0 || put_all(fd, a->body, a->len) != 0)
-			_exit(4); /* the front answers for us */
+			_exit(SRV_EXIT_NO_MEMORY); /* the front answers for us */
 	}
 	return fd;
 }
@@ -188,7 +188,7 @@ static void work(struct worker *w, int spool)
 	struct api_job *job = begin(w);
 
 	if (job == NULL)
-		_exit(6); /* no memory even for that: a fresh process is the best answer */
+		_exit(SRV_EXIT_NO_MEMORY); /* a fresh process is the best answer */
 	if ((w->segment->words.spooled == 0 || feed_spooled(w, job, spool)) && feed_ring(w, job)) {
 		answer(w, job);
 	} else {
