@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Attacks that once worked: each of these held the daemon up, leaked, or fell on somebody else."""
 # tests/run: alone
-import ctypes
 import fcntl
 import random
 import struct
@@ -14,19 +13,6 @@ from wire import *
 FILE = stl(box((0, 0, 0), (40, 30, 20)))
 CHUNKED = b"POST /v1/mass-properties HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
 MIB = 1 << 20
-
-
-def library():
-    """The major version of the libmicrohttpd that the daemon is linked to; 0 where nobody knows."""
-    try:
-        say = ctypes.CDLL("libmicrohttpd.so.12").MHD_get_version
-    except OSError:
-        return 0
-    say.restype = ctypes.c_char_p
-    return int(say().split(b".")[0])
-
-
-LIBRARY = library()
 
 
 def in_flight(d):

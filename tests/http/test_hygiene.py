@@ -128,11 +128,12 @@ def test_tables(d):
     # libmicrohttpd 1.0 unfolds it and knows where the body ends, 0.9.75 does not
     check_all("a length on the next line is refused, or taken for what it is",
               cases_of(d, {"alone": raw(POST, "Content-Length:", f" {N}", body=FILE)},
-                       (200, 400), must_end=False))
+                       (200,) if LIBRARY >= 1 else (400, None), must_end=LIBRARY < 1))
     check_all("absurd lengths are refused", cases_of(d, LENGTHS, (400, 413, None)))
     check_all("control bytes in headers are refused", cases_of(d, BYTES, (400, None)))
-    check_all("what is no request line", cases_of(d, LINES, (200, 301, 400, 404, 405, 505, None),
-                                                  must_end=False))
+    redirects = (301,) if LIBRARY >= 1 else ()  # of targets with blanks
+    check_all("what is no request line",
+              cases_of(d, LINES, (200, 400, 404, 405, 505, None) + redirects, must_end=False))
     check_all("chunks that are none", cases_of(d, CHUNKING, (400, 408, 413, 422, 431, None)))
     check_all("heads beyond all bounds", cases_of(d, LARGE, (200, 400, 404, 413, 414, 431, None),
                                                   must_end=False))
@@ -187,9 +188,9 @@ def test_old_and_odd_forms(d):
     a, _, _ = send(d, raw(POST, "transfer-ENCODING: ChunKed",
                           body=b"2aC\r\n" + FILE + b"\r\n000\r\nTrailer: x\r\n\r\n"))
     check("chunks, trailers, letters of either case", a and a.status == 200, a)
-    a, _, _ = send(d, raw(POST, CHUNKED, body=b"2ac;x=y\r\n" + FILE + b"\r\n0\r\n\r\n"))
+    a, _, _ = send(d, raw(POST, CHUNKED, body=b"2ac;x=\"y\"\r\n" + FILE + b"\r\n0\r\n\r\n"))
     check("chunk extensions: passed over, or (libmicrohttpd 1.0) refused",
-          a and a.status in (200, 400), a)
+          a and a.status == (400 if LIBRARY >= 1 else 200), a)
 
 
 def test_continue(d):

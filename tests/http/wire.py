@@ -1,6 +1,20 @@
 """HTTP/1.1 by hand, for what curl would not send or would not show."""
+import ctypes
 import json
 import socket
+
+
+def library():
+    """The major version of the libmicrohttpd that the daemon is linked to; 0 where nobody knows."""
+    try:
+        say = ctypes.CDLL("libmicrohttpd.so.12").MHD_get_version
+    except OSError:
+        return 0
+    say.restype = ctypes.c_char_p
+    return int(say().split(b".")[0])
+
+
+LIBRARY = library()
 
 
 class Reply:
