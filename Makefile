@@ -55,8 +55,8 @@ LINK     := -pie --coverage
 endif
 
 # Optimisation of single files, in the place of -O2: opt_FOLDER/NAME.c.
-opt_core/moments_kernel.c := -O3
-opt_core/exact_digits.c := -O3
+opt_core/moments/moments_kernel.c := -O3
+opt_core/exact/exact_digits.c := -O3
 
 optimised = $(patsubst -O2,$(or $(opt_$<),-O2),$(CFLAGS))
 flags     = $(DEFINES) $(CPPFLAGS) $(WARN) -fPIE $(optimised) $(HARDEN) $(MATH)
@@ -67,10 +67,10 @@ link      = $(CC) $(LINK) $(LDFLAGS)
 quoted    = $(subst ','\'',$(text))
 objects   = $(patsubst %,$(BUILD)/%.o,$(basename $(1)))
 
-core      := $(wildcard core/*.c) core/draco_wrap.cc
+core      := $(wildcard core/*.c core/*/*.c) core/draco/draco_wrap.cc
 api       := $(wildcard api/*.c)
 server    := $(filter-out server/main.c,$(wildcard server/*.c))
-generated := $(patsubst core/gen/gen_%.c,$(BUILD)/gen/%_table.h,$(wildcard core/gen/gen_*.c))
+generated := $(patsubst core/number/gen/gen_%.c,$(BUILD)/gen/%_table.h,$(wildcard core/number/gen/gen_*.c))
 libs      := $(BUILD)/libserver.a $(BUILD)/libapi.a $(BUILD)/libmasspropd.a
 unit      := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/unit/test_*.c))
 unit_help := $(call objects,$(filter-out tests/unit/test_%,$(wildcard tests/unit/*.c)))
@@ -105,8 +105,8 @@ $(BUILD)/%.o: %.cc $(BUILD)/stamp/flags | $(BUILD)/stamp/deps
 	$(Q)mkdir -p $(@D) && $(compile++) -MMD -MP -c -o $@ $<
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
 
-# Tables that are computed rather than typed in: core/gen/gen_NAME.c prints NAME_table.h.
-$(BUILD)/gen/%_table.h: core/gen/gen_%.c $(BUILD)/stamp/flags | $(BUILD)/stamp/deps
+# Tables that are computed rather than typed in: core/number/gen/gen_NAME.c prints NAME_table.h.
+$(BUILD)/gen/%_table.h: core/number/gen/gen_%.c $(BUILD)/stamp/flags | $(BUILD)/stamp/deps
 	$(call say,GEN,$@)
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) -I. -D_GNU_SOURCE -std=c11 -O1 $(WARN) $(MATH) -o $(@D)/gen_$* $< -lgmp -lm

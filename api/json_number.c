@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/number.h"
+#include "core/number/number.h"
 
 __extension__ typedef unsigned __int128 u128;
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/number.h"
+#include "core/number/number.h"
 
 int api_value_bad(const struct api_value *v, const char *what)
 {

@@ -5,7 +5,7 @@
 
 #include "api/job.h"
 #include "api/options.h"
-#include "core/report.h"
+#include "core/report/report.h"
 
 /*
  * The report of the contract as JSON text.  Units: lengths in the file's unit; mass in kg (or

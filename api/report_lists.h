@@ -3,7 +3,7 @@
 
 #include "api/json_build.h"
 #include "api/options.h"
-#include "core/report.h"
+#include "core/report/report.h"
 
 /* The long lists of a report as JSON text, appended to ${out}. */
 

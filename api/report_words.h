@@ -1,7 +1,7 @@
 #ifndef API_REPORT_WORDS_H
 #define API_REPORT_WORDS_H
 
-#include "core/report.h"
+#include "core/report/report.h"
 
 const char *api_format_word(enum mp_format);           /* "stl-binary", ..., "unknown" */
 const char *api_orientation_word(enum mp_orientation); /* "outward", ... */

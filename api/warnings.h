@@ -5,7 +5,7 @@
 #include <stddef.h>
 
 #include "api/options.h"
-#include "core/report.h"
+#include "core/report/report.h"
 
 /* What the report warns of: a stable code and a sentence that says what it means for the numbers.
  */

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "core/analysis_state.h"
-#include "core/named.h"
+#include "core/bodies/named.h"
 #include "core/notes.h"
 
 /* Triangle numbers are uint32_t and UINT32_MAX means none. */

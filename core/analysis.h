@@ -2,7 +2,7 @@
 #define MP_ANALYSIS_H
 
 #include "core/decoder.h"
-#include "core/report.h"
+#include "core/report/report.h"
 
 /* The coordinator: bytes of one file in, report out. */
 

@@ -2,10 +2,10 @@
 #define MP_ANALYSIS_STATE_H
 
 #include "core/analysis.h"
+#include "core/bodies/parts.h"
 #include "core/format.h"
-#include "core/index.h"
-#include "core/moments.h"
-#include "core/parts.h"
+#include "core/moments/moments.h"
+#include "core/topology/index.h"
 
 /* The inside of an analysis: analysis.c fills it while bytes come, report.c reads it at the end. */
 struct mp_analysis {

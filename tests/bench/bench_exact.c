@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "core/exact.h"
+#include "core/exact/exact.h"
 #include "tests/unit/soup.h"
 
 static double now(void)

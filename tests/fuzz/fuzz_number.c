@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/number.h"
-#include "core/number_private.h"
+#include "core/number/number.h"
+#include "core/number/number_private.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/draco_wrap.h"
+#include "core/draco/draco_wrap.h"
 
 struct mp_draco_mesh {
 	char nothing;

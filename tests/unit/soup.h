@@ -1,8 +1,8 @@
 #ifndef SOUP_H
 #define SOUP_H
 
-#include "core/nesting.h"
-#include "core/topology.h"
+#include "core/bodies/nesting.h"
+#include "core/topology/topology.h"
 
 /* Triangles to test with, and the mesh that the vertex table makes of them. */
 

@@ -1,4 +1,4 @@
-#include "core/ball.h"
+#include "core/moments/ball.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "core/bounds.h"
+#include "core/moments/bounds.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Bounds of single results, and what they take in. */
-#include "core/bounds.h"
+#include "core/moments/bounds.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-#include "core/boxes.h"
+#include "core/bodies/boxes.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* checks.by_index: the same edges with vertices as the files number them. */
-#include "core/index.h"
+#include "core/topology/index.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "core/topology.h"
+#include "core/topology/topology.h"
 #include "soup.h"
 
 /* A tube without caps has no vector area, but its rims are no cracks. */

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "core/topology.h"
+#include "core/topology/topology.h"
 #include "soup.h"
 
 /* The loop of a missing facet is a triangle against its direction; any hole is one loop. */

@@ -1,5 +1,5 @@
 /* Densities by name, from the faces of a file to the masses of the report. */
-#include "core/named.h"
+#include "core/bodies/named.h"
 
 #include <math.h>
 #include <setjmp.h>

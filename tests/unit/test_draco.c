@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "alloc_fail.h"
-#include "core/draco_head.h"
+#include "core/draco/draco_head.h"
 #include "draco_seen.h"
 
 /* With libdraco.  What it could deliver but hardly can be made to: test_draco_shape.c. */

@@ -1,4 +1,4 @@
-#include "core/exact.h"
+#include "core/exact/exact.h"
 
 #include <float.h>
 #include <math.h>
@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "core/exact_private.h"
+#include "core/exact/exact_private.h"
 #include "tests/unit/soup.h"
 
 static const double NOWHERE[3] = {0, 0, 0};

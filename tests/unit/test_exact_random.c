@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "core/exact_private.h"
+#include "core/exact/exact_private.h"
 #include "tests/unit/exact_meshes.h"
 #include "tests/unit/oracle.h"
 

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "core/exact_private.h"
+#include "core/exact/exact_private.h"
 #include "tests/unit/soup.h"
 
 /* sum of size*2^exponent */

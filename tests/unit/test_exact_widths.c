@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "core/exact_private.h"
+#include "core/exact/exact_private.h"
 #include "tests/unit/alloc_fail.h"
 #include "tests/unit/soup.h"
 

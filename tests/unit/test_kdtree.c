@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "core/kdtree.h"
+#include "core/bodies/kdtree.h"
 #include "soup.h"
 
 enum { N = 2000 };

@@ -1,4 +1,4 @@
-#include "core/moments_kernel.h"
+#include "core/moments/moments_kernel.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "core/moments.h"
+#include "core/moments/moments.h"
 #include "tests/unit/mesh_random.h"
 
 /* Of ${mesh}, in blocks of ${block}, from copies of exactly their size. */

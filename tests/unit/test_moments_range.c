@@ -1,4 +1,4 @@
-#include "core/moments.h"
+#include "core/moments/moments.h"
 
 #include <float.h>
 #include <math.h>

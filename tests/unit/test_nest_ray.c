@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "core/containment.h"
+#include "core/bodies/containment.h"
 #include "soup.h"
 
 static void points_on_triangles(void **unused)

@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "alloc_fail.h"
-#include "core/nesting.h"
+#include "core/bodies/nesting.h"
 #include "soup.h"
 
 struct nested {

@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/number.h"
-#include "core/number_private.h"
+#include "core/number/number.h"
+#include "core/number/number_private.h"
 
 /* strtod of the GNU C library rounds correctly and is the second opinion throughout. */
 

@@ -1,4 +1,4 @@
-#include "core/parts.h"
+#include "core/bodies/parts.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-#include "core/polygon.h"
+#include "core/obj/polygon.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "core/polygon_private.h"
-#include "core/predicates.h"
+#include "core/geometry/predicates.h"
+#include "core/obj/polygon_private.h"
 #include "tests/unit/alloc_fail.h"
 
 #define PI 3.14159265358979323846

@@ -9,8 +9,8 @@
 #include <cmocka.h>
 #include <gmp.h>
 
-#include "core/predicates.h"
-#include "core/predicates_exact.h"
+#include "core/geometry/predicates.h"
+#include "core/geometry/predicates_exact.h"
 
 static uint64_t state = 88172645463325252u;
 

@@ -1,4 +1,4 @@
-#include "core/principal.h"
+#include "core/moments/principal.h"
 
 #include <float.h>
 #include <math.h>

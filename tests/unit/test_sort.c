@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "core/smallest.h"
 #include "core/sort.h"
+#include "core/topology/smallest.h"
 #include "soup.h"
 
 static int order(const void *a, const void *b)

@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "alloc_fail.h"
-#include "core/topology.h"
+#include "core/topology/topology.h"
 #include "soup.h"
 #include "topology_reference.h"
 

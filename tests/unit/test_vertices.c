@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "alloc_fail.h"
-#include "core/vertices.h"
+#include "core/topology/vertices.h"
 #include "soup.h"
 
 static const uint8_t some_key[16] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/predicates.h"
+#include "core/geometry/predicates.h"
 
 struct edge {
 	uint32_t v[2]; /* the smaller first */

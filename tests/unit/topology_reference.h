@@ -1,7 +1,7 @@
 #ifndef TOPOLOGY_REFERENCE_H
 #define TOPOLOGY_REFERENCE_H
 
-#include "core/topology.h"
+#include "core/topology/topology.h"
 
 /*
  * The same answers as mp_topology_find() straight from the definitions, by comparing everything

@@ -1,0 +1,193 @@
+/*
+ * The one file of C++: libdraco (Apache-2.0) behind core/draco/draco_wrap.h.  Built and tested
+ * with 1.5.5 (Debian 12) and 1.5.6 (Debian 13).
+ */
+#include "core/draco/draco_wrap.h"
+
+#include <cstring>
+#include <memory>
+#include <new>
+#include <stdexcept>
+
+#include <draco/attributes/attribute_quantization_transform.h>
+#include <draco/compression/decode.h>
+#include <draco/core/decoder_buffer.h>
+#include <draco/mesh/mesh.h>
+
+using draco::GeometryAttribute;
+using draco::PointAttribute;
+
+struct mp_draco_mesh {
+	std::unique_ptr<draco::Mesh> mesh;
+	const PointAttribute *positions = nullptr; /* the mesh's own: points to values */
+	const PointAttribute *held = nullptr;      /* the values: positions or floats */
+	PointAttribute floats;
+};
+
+static mp_draco_type type_of(draco::DataType type)
+{
+	switch (type) {
+	case draco::DT_INT8:
+		return MP_DRACO_INT8;
+	case draco::DT_UINT8:
+		return MP_DRACO_UINT8;
+	case draco::DT_INT16:
+		return MP_DRACO_INT16;
+	case draco::DT_UINT16:
+		return MP_DRACO_UINT16;
+	case draco::DT_INT32:
+		return MP_DRACO_INT32;
+	case draco::DT_UINT32:
+		return MP_DRACO_UINT32;
+	case draco::DT_FLOAT32:
+		return MP_DRACO_FLOAT32;
+	case draco::DT_FLOAT64:
+		return MP_DRACO_FLOAT64;
+	default: /* 64-bit integers, which doubles do not hold, and booleans */
+		return MP_DRACO_OTHER;
+	}
+}
+
+/* A clause for the end of a sentence of ours: ASCII, without the period. */
+static void keep_words(const char *from, char *why, size_t room)
+{
+	size_t n = 0;
+
+	for (; *from != '\0' && n + 1 < room; from++)
+		if (*from >= ' ' && *from <= '~')
+			why[n++] = *from;
+	while (n > 0 && (why[n - 1] == '.' || why[n - 1] == ' '))
+		n--;
+	if (room > 0)
+		why[n] = '\0';
+}
+
+/*
+ * ${raw}: leave quantised positions as the integers of the file, with what they mean beside them;
+ * libdraco forgets the step otherwise.
+ */
+static draco::Status decode(const uint8_t *file, size_t len, bool raw, mp_draco_mesh *m,
+			    uint64_t *used)
+{
+	draco::Decoder decoder;
+	draco::DecoderBuffer buffer;
+
+	buffer.Init(reinterpret_cast<const char *>(file), len);
+	if (raw)
+		decoder.SetSkipAttributeTransform(GeometryAttribute::POSITION);
+	m->held = m->positions = nullptr;
+	m->mesh.reset(); /* two meshes at a time are one too many */
+	auto result = decoder.DecodeMeshFromBuffer(&buffer);
+	if (!result.ok())
+		return result.status();
+	m->mesh = std::move(result).value();
+	m->held = m->positions = m->mesh->GetNamedAttribute(GeometryAttribute::POSITION);
+	*used = buffer.remaining_size() < 0 ? len : len - (uint64_t)buffer.remaining_size();
+	return draco::OkStatus();
+}
+
+/* From the file's integers to the floats that libdraco makes of them, by libdraco. */
+static bool dequantise(mp_draco_mesh *m, double *step)
+{
+	const PointAttribute *from = m->positions;
+	draco::AttributeQuantizationTransform transform;
+
+	if (!transform.InitFromAttribute(*from) || from->num_components() != 3 ||
+	    from->data_type() != draco::DT_INT32 || from->byte_stride() != 12 ||
+	    from->byte_offset() != 0 || from->buffer()->data_size() / 12 < from->size())
+		return false;
+	m->floats.Init(GeometryAttribute::POSITION, 3, draco::DT_FLOAT32, false, from->size());
+	if (!transform.InverseTransformAttribute(*from, &m->floats))
+		return false;
+	m->held = &m->floats;
+	*step = (double)transform.range() / (double)((1u << transform.quantization_bits()) - 1);
+	return true;
+}
+
+static void describe(const mp_draco_mesh *m, mp_draco_shape *shape)
+{
+	const PointAttribute *held = m->held;
+
+	shape->faces = m->mesh->num_faces();
+	shape->points = m->mesh->num_points();
+	shape->has_positions = held != nullptr;
+	if (held == nullptr)
+		return;
+	shape->normalised = held->normalized();
+	shape->type = type_of(held->data_type());
+	shape->components = (unsigned)held->num_components();
+	shape->values = held->size();
+	shape->mapped =
+	    m->positions->is_mapping_identity() ? shape->points : m->positions->indices_map_size();
+	shape->data = held->buffer()->data();
+	shape->size = held->buffer()->data_size();
+	shape->offset = (uint64_t)held->byte_offset();
+	shape->stride = (uint64_t)held->byte_stride();
+}
+
+/*
+ * Bitstreams before 2.0 predict other attributes from the finished positions, so there the
+ * integers cannot be had.  Integer positions come back as int32 whatever the file calls them;
+ * they are rare enough to be decoded again.
+ */
+static draco::Status decode_all(const uint8_t *file, size_t len, mp_draco_mesh *m,
+				mp_draco_shape *shape)
+{
+	bool raw = len > 5 && file[5] >= 2;
+	draco::Status status = decode(file, len, raw, m, &shape->used);
+
+	if (status.ok() && raw && m->positions != nullptr &&
+	    m->positions->data_type() == draco::DT_INT32 && !dequantise(m, &shape->step))
+		status = decode(file, len, false, m, &shape->used);
+	return status;
+}
+
+mp_draco_verdict mp_draco_decode(const uint8_t *file, size_t len, mp_draco_mesh **out,
+				 mp_draco_shape *shape, char *why, size_t room)
+try {
+	std::unique_ptr<mp_draco_mesh> m(new mp_draco_mesh);
+
+	*out = nullptr;
+	*shape = mp_draco_shape();
+	keep_words("", why, room);
+	draco::Status status = decode_all(file, len, m.get(), shape);
+	if (!status.ok()) {
+		keep_words(status.error_msg(), why, room);
+		return MP_DRACO_REFUSED;
+	}
+	describe(m.get(), shape);
+	*out = m.release();
+	return MP_DRACO_DECODED;
+} catch (const std::bad_alloc &) {
+	*out = nullptr;
+	return MP_DRACO_NO_MEMORY;
+} catch (const std::length_error &) {
+	*out = nullptr;
+	return MP_DRACO_NO_MEMORY;
+} catch (...) {
+	*out = nullptr;
+	keep_words("an exception", why, room);
+	return MP_DRACO_REFUSED;
+}
+
+void mp_draco_faces(const mp_draco_mesh *mesh, uint64_t first, size_t count, uint32_t (*point)[3])
+{
+	for (size_t i = 0; i < count; i++) {
+		const draco::Mesh::Face &face =
+		    mesh->mesh->face(draco::FaceIndex((uint32_t)(first + i)));
+
+		for (size_t k = 0; k < 3; k++)
+			point[i][k] = face[k].value();
+	}
+}
+
+void mp_draco_values(const mp_draco_mesh *mesh, uint32_t *point, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		point[i] = mesh->positions->mapped_index(draco::PointIndex(point[i])).value();
+}
+
+void mp_draco_free(mp_draco_mesh *mesh)
+{
+	delete mesh;
+}

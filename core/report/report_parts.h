@@ -1,0 +1,42 @@
+#ifndef MP_REPORT_PARTS_H
+#define MP_REPORT_PARTS_H
+
+#include "core/analysis.h"
+#include "core/bodies/bodies.h"
+#include "core/exact/exact.h"
+#include "core/moments/ball.h"
+#include "core/report/report.h"
+
+/* Parts of the making of a report that report.c shares. */
+
+/*
+ * Principal axes and radii of gyration of report->total.inertia, which is at most ${tensor} (in
+ * norm) from the exact one, for a solid of ${mass}.
+ */
+void mp_report_principal(struct mp_report *report, double tensor, struct mp_ball mass);
+
+/* Exact numbers beside the certified ones; all 0 is ready. */
+struct mp_report_exact {
+	bool wanted;
+	struct mp_exact_grid grid;
+};
+
+/*
+ * Where the request wants it (or leaves it open and it costs less than a millisecond), put results
+ * that are rounded once from exact numbers in the place of the certified ones of the whole, with
+ * their bounds, and settle the winding of bodies whose volume could not be told from 0.  Before
+ * verdicts are given.  The certified ones stay where names have densities of their own, where
+ * some exact result is beyond the range of doubles, and for what is not closed.
+ * -1: memory is out.  Free ${x} with mp_report_exact_free(), after a failure too.
+ */
+int mp_report_exact_whole(struct mp_report_exact *x, const struct mp_request *request,
+			  const struct mp_mesh *mesh, struct mp_bodies *bodies,
+			  struct mp_report *report, struct mp_error *err);
+
+/* The same for the bodies, once they are listed. */
+int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_request *request,
+			   const struct mp_mesh *mesh, const struct mp_bodies *bodies,
+			   struct mp_report *report, struct mp_error *err);
+void mp_report_exact_free(struct mp_report_exact *x);
+
+#endif

@@ -1,0 +1,73 @@
+#include "core/topology/topology.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/topology/topology_parts.h"
+
+static uint64_t found(const struct mp_topology *t, enum mp_defect_kind kind)
+{
+	switch (kind) {
+	case MP_DEFECT_BOUNDARY_EDGE:
+		return t->boundary_edges;
+	case MP_DEFECT_BOUNDARY_LOOP:
+		return t->boundary_loops;
+	case MP_DEFECT_NON_MANIFOLD_EDGE:
+		return t->non_manifold_edges;
+	case MP_DEFECT_NON_MANIFOLD_VERTEX:
+		return t->non_manifold_vertices;
+	case MP_DEFECT_MISORIENTED_EDGE:
+		return t->misoriented_edges;
+	case MP_DEFECT_DEGENERATE_TRIANGLE:
+		return t->degenerate_triangles;
+	case MP_DEFECT_DUPLICATE_TRIANGLE:
+		return t->duplicate_triangles;
+	case MP_DEFECT_KINDS:
+		break;
+	}
+	return 0;
+}
+
+static int find(const struct mp_mesh *mesh, const struct mp_edges *edges, uint32_t most,
+		struct mp_topology *out)
+{
+	if (mp_degenerate_find(mesh, most, out) || mp_bodies_find(mesh, edges, out) ||
+	    mp_fans_find(mesh, edges, most, out) || mp_duplicates_find(mesh, edges, most, out) ||
+	    mp_bad_edges_list(mesh, edges, most, out) || mp_loops_find(mesh, edges, most, out))
+		return -1;
+	if (!out->closed && mp_cracks_find(mesh, edges, out))
+		return -1;
+	out->euler = (int64_t)(out->vertices + out->faces) - (int64_t)out->edges;
+	for (int k = 0; k < MP_DEFECT_KINDS; k++)
+		out->truncated |= found(out, (enum mp_defect_kind)k) > out->defect[k].count;
+	return 0;
+}
+
+int mp_topology_find(const struct mp_mesh *mesh, uint32_t most, struct mp_topology *out,
+		     struct mp_error *err)
+{
+	struct mp_edges edges;
+	int failed;
+
+	memset(out, 0, sizeof *out);
+	if (mesh->triangles > MP_MOST_TRIANGLES)
+		return mp_fail_limit(err, MP_NO_BYTE, MP_MOST_TRIANGLES, mesh->triangles,
+				     "more triangles than the checks can number");
+	if (mp_edges_build(mesh, &edges, err))
+		return -1;
+	failed = find(mesh, &edges, most, out);
+	mp_edges_free(&edges);
+	if (!failed)
+		return 0;
+	mp_topology_free(out);
+	return mp_fail_nomem(err);
+}
+
+void mp_topology_free(struct mp_topology *t)
+{
+	for (int k = 0; k < MP_DEFECT_KINDS; k++)
+		mp_defects_free(&t->defect[k]);
+	free(t->body);
+	free(t->body_of);
+	memset(t, 0, sizeof *t);
+}

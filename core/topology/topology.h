@@ -1,0 +1,78 @@
+#ifndef MP_TOPOLOGY_H
+#define MP_TOPOLOGY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/error.h"
+#include "core/topology/vertices.h"
+
+struct mp_mesh {
+	const struct mp_vertices *vertices;
+	const uint32_t (*tri)[3]; /* vertex numbers, each < mp_vertices_count(vertices) */
+	uint32_t triangles;
+};
+
+#define MP_NO_BODY UINT32_MAX
+
+/*
+ * Defects with their places.  Item i names triangles[triangle_at[i] .. triangle_at[i+1]) and
+ * vertices [vertex_at[i] .. vertex_at[i+1]).  Both *_at arrays have count + 1 entries.
+ */
+struct mp_defect_list {
+	size_t count;
+	size_t *triangle_at, *vertex_at;
+	uint32_t *triangles; /* file order numbers, ascending within an item */
+	uint32_t *vertices;  /* vertex numbers of the mesh */
+};
+
+enum mp_defect_kind {
+	MP_DEFECT_BOUNDARY_EDGE, /* the triangle; both ends, in its direction */
+	MP_DEFECT_BOUNDARY_LOOP, /* triangles along it; vertices in order where it is a circle */
+	MP_DEFECT_NON_MANIFOLD_EDGE,   /* all its triangles; both ends, smaller number first */
+	MP_DEFECT_NON_MANIFOLD_VERTEX, /* all its triangles; the vertex */
+	MP_DEFECT_MISORIENTED_EDGE,    /* both triangles; both ends, in their common direction */
+	MP_DEFECT_DEGENERATE_TRIANGLE, /* the triangle; its corners */
+	MP_DEFECT_DUPLICATE_TRIANGLE,  /* the earliest one and this one; its corners */
+	MP_DEFECT_KINDS
+};
+
+enum { MP_DEFECT_TRIANGLES = 64, MP_DEFECT_VERTICES = 1024 }; /* most listed for one defect */
+
+struct mp_body_topology {
+	uint32_t first;     /* its smallest triangle number */
+	uint32_t triangles; /* how many */
+	uint64_t boundary_edges, non_manifold_edges, misoriented_edges;
+	bool closed;      /* every edge is used equally often both ways */
+	bool cracks_only; /* not closed, but the signed boundary is zero as a geometric current */
+	bool watertight;  /* every edge is used exactly twice */
+};
+
+/* Definitions: the signed and unsigned use counts of edges, see the README's table of checks. */
+struct mp_topology {
+	uint64_t vertices;     /* distinct vertices that a triangle with edges uses */
+	uint64_t edges, faces; /* faces: triangles with three different corners */
+	int64_t euler;         /* vertices - edges + faces */
+	uint64_t boundary_edges, boundary_loops, non_manifold_edges, misoriented_edges;
+	uint64_t non_manifold_vertices, degenerate_triangles, duplicate_triangles;
+	bool closed, cracks_only, watertight, winding_consistent;
+	uint32_t bodies;
+	struct mp_body_topology *body; /* ${bodies} of them, by smallest triangle number */
+	uint32_t *body_of;             /* per triangle; MP_NO_BODY where it has no edges */
+	struct mp_defect_list defect[MP_DEFECT_KINDS]; /* each kind by smallest triangle number */
+	bool truncated; /* some defect is not listed, or not all of its triangles or vertices */
+};
+
+/*
+ * mp_topology_find(mesh, most, out, err):
+ * Edges, vertex fans, boundary loops, bodies and defects of ${mesh}; lists at most ${most} defects
+ * a kind.  O(n log n) time whatever the mesh; about 40 bytes a triangle beside it.  ${out} owns
+ * its arrays, mp_topology_free() gives them back (legal on a zeroed struct).  Return 0, or -1
+ * with nothing to free.
+ */
+int mp_topology_find(const struct mp_mesh *mesh, uint32_t most, struct mp_topology *out,
+		     struct mp_error *err);
+void mp_topology_free(struct mp_topology *);
+
+#endif

@@ -1,0 +1,55 @@
+#ifndef MP_TOPOLOGY_PARTS_H
+#define MP_TOPOLOGY_PARTS_H
+
+#include "core/topology/edges.h"
+#include "core/topology/smallest.h"
+
+/*
+ * The algorithms behind mp_topology_find(), one a file, in the order in which it calls them.
+ * Each fills its fields of ${out}, lists at most ${most} defects of its kinds, and returns 0, or
+ * -1 when memory is out; what ${out} holds then is freed by the caller.
+ */
+
+/* degenerate.c: triangles of zero area, by index or by exact collinearity. */
+int mp_degenerate_find(const struct mp_mesh *, uint32_t most, struct mp_topology *out);
+
+/* components.c: body_of, bodies and what each body's edges are; also the counts of all edges. */
+int mp_bodies_find(const struct mp_mesh *, const struct mp_edges *, struct mp_topology *out);
+
+/* fans.c: vertices, non-manifold vertices. */
+int mp_fans_find(const struct mp_mesh *, const struct mp_edges *, uint32_t most,
+		 struct mp_topology *out);
+
+/* duplicates.c */
+int mp_duplicates_find(const struct mp_mesh *, const struct mp_edges *, uint32_t most,
+		       struct mp_topology *out);
+
+/* bad_edges.c: lists of non-manifold and misoriented edges, which mp_bodies_find() counted. */
+int mp_bad_edges_list(const struct mp_mesh *, const struct mp_edges *, uint32_t most,
+		      struct mp_topology *out);
+
+/* loops.c: boundary edges and loops; cracks.c: cracks_only of the mesh and of each body. */
+int mp_loops_find(const struct mp_mesh *, const struct mp_edges *, uint32_t most,
+		  struct mp_topology *out);
+int mp_cracks_find(const struct mp_mesh *, const struct mp_edges *, struct mp_topology *out);
+
+/*
+ * loop_list.c: place the ${items} loops of smallest half-edge.  ${bit}: the boundary half-edges;
+ * ${parent}: disjoint sets of their vertices, UINT32_MAX for other vertices.
+ */
+int mp_loops_list(const struct mp_mesh *, const uint64_t *bit, uint32_t *parent, size_t items,
+		  struct mp_topology *out);
+
+/* The first bit of ${bit}[0 .. n) at ${from} or above, n for none. */
+size_t mp_bit_next(const uint64_t *bit, size_t n, size_t from);
+
+/*
+ * defects.c: memory for ${items} defects that name so many triangles and vertices in total, then
+ * one call for each of them in order.
+ */
+int mp_defects_begin(struct mp_defect_list *, size_t items, size_t triangles, size_t vertices);
+void mp_defects_add(struct mp_defect_list *, const uint32_t *triangles, size_t triangle_count,
+		    const uint32_t *vertices, size_t vertex_count);
+void mp_defects_free(struct mp_defect_list *);
+
+#endif

@@ -1,0 +1,379 @@
+#include "core/topology/vertices.h"
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * Linear probing in slots of tag << 32 | number + 1, 0 = empty.  The tag is the hash, its top bits
+ * are the place; so slots are in the order of their tags but for the probing, and doubling the
+ * table is one pass over both, in order, that needs no coordinates.
+ */
+struct mp_vertices {
+	uint64_t key[6];
+	uint64_t *slot; /* 1 << bits of them */
+	unsigned bits;
+	uint32_t count;
+	uint64_t room; /* vertices that xyz has memory for */
+	bool wide;     /* xyz holds doubles, else floats */
+	void *xyz;     /* 3 * count coordinates */
+};
+
+enum {
+	FIRST_BITS = 10, /* slots to begin with: 8 kB, so that small parts stay cheap */
+	BATCH = 32,      /* triangles looked up together, enough to hide the memory's latency */
+	CORNERS = 3 * BATCH
+};
+
+#define MOST_VERTICES (UINT32_MAX - 1) /* number + 1 fits 32 bits; UINT32_MAX names none */
+
+struct corner {
+	double p[3]; /* without -0 */
+	uint64_t at; /* every slot from its home to here is taken by other tags */
+	uint32_t tag;
+};
+
+__extension__ typedef unsigned __int128 u128;
+
+static uint64_t mix(uint64_t x)
+{
+	x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+	x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+	return x ^ (x >> 31);
+}
+
+/* Six words out of two, splitmix64 keyed with both halves (Steele 2014, doi:10.1145/2660193). */
+static void expand_key(const uint8_t key[16], uint64_t out[6])
+{
+	uint64_t half[2];
+
+	memcpy(half, key, sizeof half);
+	for (unsigned i = 0; i < 6; i++)
+		out[i] = mix(mix(half[0] + (i + 1) * 0x9e3779b97f4a7c15u) + half[1]);
+}
+
+/*
+ * The first line is NH (Black et al. 1999, UMAC, doi:10.1007/3-540-48405-1_14) with words of 64
+ * bits: two different vertices get the same 128 bits for at most one key in 2^64, whichever two
+ * the uploader chose, for the key is fresh and never shown.  The second, a folded product under
+ * two more words, spreads those bits, so that what NH keeps of the order of the coordinates does
+ * not become runs of neighbouring slots.
+ */
+static uint32_t hash(const uint64_t k[6], const uint64_t w[3])
+{
+	u128 sum, product;
+	uint64_t fold;
+
+	sum = (u128)(w[0] + k[0]) * (w[1] + k[1]) + (u128)(w[2] + k[2]) * k[3];
+	product = (u128)((uint64_t)sum ^ k[4]) * ((uint64_t)(sum >> 64) ^ k[5]);
+	fold = (uint64_t)product ^ (uint64_t)(product >> 64);
+	return (uint32_t)(fold ^ (fold >> 32));
+}
+
+static uint64_t home(uint32_t tag, unsigned bits)
+{
+	return ((uint64_t)tag << 32) >> (64 - bits);
+}
+
+static uint64_t bits_of(double x)
+{
+	uint64_t bits;
+
+	memcpy(&bits, &x, sizeof bits);
+	return bits;
+}
+
+/*
+ * Whether a float holds ${x}, by its bits: GCC 12's SLP vectoriser may drop the rounding of
+ * (double)(float)x.
+ */
+static bool fits_float(double x)
+{
+	uint64_t bits = bits_of(x);
+	unsigned exponent = (unsigned)(bits >> 52) & 0x7ff;
+
+	if (exponent >= 1023 - 126)
+		return (bits & 0x1fffffff) == 0 && exponent <= 1023 + 127;
+	x *= 0x1p149; /* exact; a subnormal float is a multiple of 2^-149 */
+	return (double)(int64_t)x == x;
+}
+
+/* 0 where a float certainly holds the double of these bits: no branch, and right for all but
+ * subnormal floats. */
+static uint64_t doubt_float(uint64_t bits)
+{
+	uint64_t size = bits & (UINT64_MAX >> 1);
+	uint64_t normal = size - ((uint64_t)(1023 - 126) << 52);
+
+	return (bits & 0x1fffffff) | ((normal >= (uint64_t)254 << 52) & (size != 0));
+}
+
+struct mp_vertices *mp_vertices_new(const uint8_t key[16], struct mp_error *err)
+{
+	struct mp_vertices *v = calloc(1, sizeof *v);
+
+	if (v == NULL)
+		goto err0;
+	expand_key(key, v->key);
+	v->bits = FIRST_BITS;
+	v->slot = calloc((size_t)1 << v->bits, sizeof *v->slot);
+	if (v->slot == NULL)
+		goto err1;
+	return v;
+err1:
+	free(v);
+err0:
+	mp_fail_nomem(err);
+	return NULL;
+}
+
+void mp_vertices_free(struct mp_vertices *v)
+{
+	if (v == NULL)
+		return;
+	free(v->slot);
+	free(v->xyz);
+	free(v);
+}
+
+static int grow_slots(struct mp_vertices *v, struct mp_error *err)
+{
+	uint64_t old = (uint64_t)1 << v->bits, mask = 2 * old - 1;
+	uint64_t *slot;
+
+	if (2 * old > SIZE_MAX / sizeof *slot)
+		return mp_fail_nomem(err);
+	slot = calloc((size_t)(2 * old), sizeof *slot);
+	if (slot == NULL)
+		return mp_fail_nomem(err);
+	for (uint64_t i = 0; i < old; i++) {
+		uint64_t at;
+
+		if (v->slot[i] == 0)
+			continue;
+		at = home((uint32_t)(v->slot[i] >> 32), v->bits + 1);
+		while (slot[at] != 0)
+			at = (at + 1) & mask;
+		slot[at] = v->slot[i];
+	}
+	free(v->slot);
+	v->slot = slot;
+	v->bits++;
+	return 0;
+}
+
+static int resize_xyz(struct mp_vertices *v, uint64_t room, bool wide, struct mp_error *err)
+{
+	uint64_t each = 3 * (wide ? sizeof(double) : sizeof(float));
+	void *p;
+
+	if (room > SIZE_MAX / each)
+		return mp_fail_nomem(err);
+	p = realloc(v->xyz, (size_t)(room * each));
+	if (p == NULL)
+		return mp_fail_nomem(err);
+	v->xyz = p;
+	v->room = room;
+	return 0;
+}
+
+/* From floats to doubles, in place from the end.  Numbers and slots stay as they are. */
+static int widen(struct mp_vertices *v, struct mp_error *err)
+{
+	unsigned char *bytes;
+
+	if (v->room > 0 && resize_xyz(v, v->room, true, err))
+		return -1;
+	bytes = v->xyz;
+	for (size_t i = 3 * (size_t)v->count; i-- > 0;) {
+		float narrow;
+		double x;
+
+		memcpy(&narrow, bytes + i * sizeof narrow, sizeof narrow);
+		x = (double)narrow;
+		memcpy(bytes + i * sizeof x, &x, sizeof x);
+	}
+	v->wide = true;
+	return 0;
+}
+
+/* Make room for ${extra} more vertices, so that nothing moves while a batch is looked up. */
+static int reserve(struct mp_vertices *v, unsigned extra, struct mp_error *err)
+{
+	uint64_t want = (uint64_t)v->count + extra;
+
+	/* At most 5 of 8 slots are taken: a miss looks at 4 slots on average, a hit at 2. */
+	while (want > ((uint64_t)5 << v->bits) / 8)
+		if (grow_slots(v, err))
+			return -1;
+	if (want > v->room)
+		return resize_xyz(v, want + want / 2, v->wide, err);
+	return 0;
+}
+
+static bool equal(const struct mp_vertices *v, uint32_t number, const double p[3])
+{
+	size_t at = 3 * (size_t)number;
+
+	if (v->wide) {
+		const double *q = (const double *)v->xyz + at;
+
+		return q[0] == p[0] && q[1] == p[1] && q[2] == p[2];
+	} else {
+		const float *q = (const float *)v->xyz + at;
+
+		return (double)q[0] == p[0] && (double)q[1] == p[1] && (double)q[2] == p[2];
+	}
+}
+
+static void store(struct mp_vertices *v, uint32_t number, const double p[3])
+{
+	size_t at = 3 * (size_t)number;
+
+	for (unsigned k = 0; k < 3; k++) {
+		if (v->wide)
+			((double *)v->xyz)[at + k] = p[k];
+		else
+			((float *)v->xyz)[at + k] = (float)p[k];
+	}
+}
+
+static int find_or_add(struct mp_vertices *v, const struct corner *c, uint32_t *out,
+		       struct mp_error *err)
+{
+	uint64_t mask = ((uint64_t)1 << v->bits) - 1;
+	uint64_t at = c->at;
+
+	for (; v->slot[at] != 0; at = (at + 1) & mask) {
+		*out = (uint32_t)v->slot[at] - 1;
+		if (v->slot[at] >> 32 == c->tag && equal(v, *out, c->p))
+			return 0;
+	}
+	if (v->count >= MOST_VERTICES)
+		return mp_fail_limit(err, MP_NO_BYTE, MOST_VERTICES, (uint64_t)v->count + 1,
+				     "more than 4294967294 different vertices");
+	*out = v->count++;
+	store(v, *out, c->p);
+	v->slot[at] = (uint64_t)c->tag << 32 | v->count;
+	return 0;
+}
+
+/* Hash the corners and ask memory for their slots.  Returns whether floats may not hold them. */
+static bool load(const struct mp_vertices *v, const double (*tri)[9], unsigned count,
+		 struct corner *c)
+{
+	uint64_t key[6], doubt = 0;
+	const uint64_t *slot = v->slot;
+	unsigned bits = v->bits;
+
+	memcpy(key, v->key, sizeof key);
+	for (unsigned i = 0; i < count; i++) {
+		for (unsigned k = 0; k < 9; k += 3, c++) {
+			uint64_t w[3];
+
+			for (unsigned j = 0; j < 3; j++) {
+				double x = tri[i][k + j] + 0.0; /* -0 + 0 is +0 */
+
+				w[j] = bits_of(x);
+				doubt |= doubt_float(w[j]);
+				c->p[j] = x;
+			}
+			c->tag = hash(key, w);
+			__builtin_prefetch(&slot[home(c->tag, bits)]);
+		}
+	}
+	return doubt != 0;
+}
+
+static bool all_fit(const struct corner *c, unsigned n)
+{
+	for (unsigned i = 0; i < 3 * n; i++)
+		if (!fits_float(c[i / 3].p[i % 3]))
+			return false;
+	return true;
+}
+
+/*
+ * The slots are there by now: find the one with the tag, or the empty one, and ask for the
+ * coordinates to compare.  Vertices added meanwhile take empty slots only, so the search may go on
+ * from there.
+ */
+static void find_tags(const struct mp_vertices *v, struct corner *c, unsigned n)
+{
+	size_t each = 3 * (v->wide ? sizeof(double) : sizeof(float));
+	uint64_t mask = ((uint64_t)1 << v->bits) - 1;
+
+	for (unsigned i = 0; i < n; i++) {
+		uint64_t at = home(c[i].tag, v->bits), s = v->slot[at];
+
+		while (s != 0 && s >> 32 != c[i].tag) {
+			at = (at + 1) & mask;
+			s = v->slot[at];
+		}
+		c[i].at = at;
+		if (s != 0)
+			__builtin_prefetch((const char *)v->xyz + ((uint32_t)s - 1) * each);
+	}
+}
+
+static int add_batch(struct mp_vertices *v, const double (*tri)[9], unsigned count,
+		     uint32_t (*out)[3], struct mp_error *err)
+{
+	struct corner c[CORNERS];
+
+	if (reserve(v, 3 * count, err))
+		return -1;
+	if (load(v, tri, count, c) && !v->wide && !all_fit(c, 3 * count) && widen(v, err))
+		return -1;
+	find_tags(v, c, 3 * count);
+	for (unsigned i = 0; i < 3 * count; i++)
+		if (find_or_add(v, &c[i], &out[i / 3][i % 3], err))
+			return -1;
+	return 0;
+}
+
+int mp_vertices_add(struct mp_vertices *v, const double (*tri)[9], size_t count, uint32_t (*out)[3],
+		    struct mp_error *err)
+{
+	assert(v->slot != NULL); /* not sealed */
+	for (size_t done = 0; done < count;) {
+		unsigned n = count - done < BATCH ? (unsigned)(count - done) : BATCH;
+
+		if (add_batch(v, tri + done, n, out + done, err))
+			return -1;
+		done += n;
+	}
+	return 0;
+}
+
+uint32_t mp_vertices_count(const struct mp_vertices *v)
+{
+	return v->count;
+}
+
+void mp_vertices_get(const struct mp_vertices *v, uint32_t number, double xyz[3])
+{
+	size_t at = 3 * (size_t)number;
+
+	for (unsigned k = 0; k < 3; k++)
+		xyz[k] = v->wide ? ((const double *)v->xyz)[at + k]
+				 : (double)((const float *)v->xyz)[at + k];
+}
+
+void mp_vertices_prefetch(const struct mp_vertices *v, uint32_t number)
+{
+	size_t each = 3 * (v->wide ? sizeof(double) : sizeof(float));
+
+	__builtin_prefetch((const char *)v->xyz + number * each);
+}
+
+void mp_vertices_seal(struct mp_vertices *v)
+{
+	struct mp_error ignored;
+
+	free(v->slot);
+	v->slot = NULL;
+	if (v->count > 0) /* what was in reserve; keeping it is no error */
+		(void)resize_xyz(v, v->count, v->wide, &ignored);
+}
