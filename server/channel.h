@@ -24,6 +24,7 @@ enum srv_order_kind {
 	SRV_ORDER_WORKER_NEW,  /* master: slot has a worker; descriptors: its socket, its pidfd */
 	SRV_ORDER_WORKER_GONE, /* master: the worker of slot is dead and reaped; status as of wait
 				*/
+	SRV_ORDER_KEYS,        /* master: API keys; descriptor: a memfd of srv_keys_read() */
 	SRV_ORDER_DRAIN,       /* master: SIGTERM came */
 	SRV_ORDER_READY        /* front: serving */
 };

@@ -92,7 +92,7 @@ static void turn_away_blind(struct srv_clients *c, int listener)
 }
 
 /* False: turned away. */
-static bool enter(struct srv_clients *c, int fd, const struct sockaddr_storage *from)
+static bool enter(struct srv_clients *c, int fd, bool inside, const struct sockaddr_storage *from)
 {
 	struct srv_client *client = srv_clients_at(c, fd);
 	int one = 1;
@@ -104,6 +104,7 @@ static bool enter(struct srv_clients *c, int fd, const struct sockaddr_storage *
 	(void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
 	memset(client, 0, sizeof *client);
 	client->used = true;
+	client->inside = inside;
 	client->since = srv_now();
 	name_client(from, client->name, sizeof client->name);
 	c->open++;
@@ -112,7 +113,7 @@ static bool enter(struct srv_clients *c, int fd, const struct sockaddr_storage *
 	return true;
 }
 
-void srv_clients_accept(struct srv_clients *c, int listener,
+void srv_clients_accept(struct srv_clients *c, int listener, bool inside,
 			bool (*take)(void *self, int fd, const struct sockaddr *from,
 				     socklen_t len),
 			void *self)
@@ -124,7 +125,7 @@ void srv_clients_accept(struct srv_clients *c, int listener,
 		int fd = accept4(listener, address, &len, SOCK_CLOEXEC | SOCK_NONBLOCK);
 
 		if (fd >= 0) {
-			if (enter(c, fd, &from) && !take(self, fd, address, len))
+			if (enter(c, fd, inside, &from) && !take(self, fd, address, len))
 				srv_clients_closed(c, fd);
 		} else if (errno == EMFILE || errno == ENFILE) {
 			turn_away_blind(c, listener);

@@ -15,6 +15,7 @@ enum { SRV_CONNECTION_BYTES = 128 << 10 }; /* the library's memory for each */
 struct srv_client {
 	bool used, served; /* served: it has had an answer before */
 	bool half_closed;  /* it will send no more */
+	bool inside;       /* came to the listener for /metrics */
 	double since;      /* accepted, or its last answer out */
 	struct srv_exchange *exchange;
 	char name[48]; /* its address */
@@ -42,7 +43,7 @@ struct srv_client *srv_clients_at(struct srv_clients *, int fd);
  * Take what waits at ${listener}, up to a bounded number, and pass each connection to ${take},
  * which owns the descriptor from then on and returns false where it has closed it.
  */
-void srv_clients_accept(struct srv_clients *, int listener,
+void srv_clients_accept(struct srv_clients *, int listener, bool inside,
 			bool (*take)(void *self, int fd, const struct sockaddr *from,
 				     socklen_t len),
 			void *self);

@@ -10,7 +10,7 @@
 
 extern char **environ;
 
-enum kind { LIST_LISTEN, LIST_ORIGIN, SIZE, DURATION, COUNT, LEVEL, FORMAT, SANDBOX };
+enum kind { LIST_LISTEN, LIST_ORIGIN, TEXT, SIZE, DURATION, COUNT, LEVEL, FORMAT, SANDBOX };
 
 struct row {
 	const char *name, *fallback, *help;
@@ -51,6 +51,10 @@ static const struct row rows[] = {
      AT(drain_timeout), 0, 86400},
     {"cors-origin", NULL, "origins that browsers may call from: exact, *.suffix or *, by commas",
      "none", LIST_ORIGIN, 0, 0, 0},
+    {"api-key-file", NULL, "keys that clients have to send, one a line; read again on SIGHUP",
+     "none: everybody may ask", TEXT, AT(api_key_file), 0, 0},
+    {"metrics-listen", NULL, "ADDRESS:PORT that serves /metrics and the probes, without keys",
+     "none: /metrics is served with the rest", TEXT, AT(metrics_listen), 0, 0},
     {"sandbox", "auto", "seccomp and Landlock: auto (what the kernel has), require or off", NULL,
      SANDBOX, 0, 0, 0},
     {"log-format", "text", "text or json", NULL, FORMAT, 0, 0, 0},
@@ -136,6 +140,15 @@ static int set_number(struct srv_config *c, const struct row *row, const char *t
 	return 0;
 }
 
+/* A name: the last one counts. */
+static int set_text(struct srv_config *c, const struct row *row, const char *text)
+{
+	const char *copy = *text != '\0' ? keep(c, text) : NULL;
+
+	memcpy((char *)c + row->offset, &copy, sizeof copy);
+	return copy != NULL ? 0 : -1;
+}
+
 static int set(struct srv_config *c, const struct row *row, const char *text, bool again)
 {
 	static const char *const levels[] = {"error", "warn", "info", "debug", NULL};
@@ -148,6 +161,8 @@ static int set(struct srv_config *c, const struct row *row, const char *text, bo
 		return list(c, text, c->listen, &c->listens, SRV_LISTEN_MAX, again);
 	case LIST_ORIGIN:
 		return list(c, text, c->origin, &c->origins, SRV_ORIGIN_MAX, again);
+	case TEXT:
+		return set_text(c, row, text);
 	case LEVEL:
 		if ((i = word(text, levels)) < 0)
 			return -1;

@@ -19,6 +19,8 @@ struct srv_config {
 	unsigned listens;
 	const char *origin[SRV_ORIGIN_MAX]; /* exact, "*.suffix" or "*" */
 	unsigned origins;
+	const char *metrics_listen; /* where /metrics is served alone; NULL: beside the rest */
+	const char *api_key_file;   /* NULL: everybody may ask */
 	uint64_t workers;
 	uint64_t queue; /* requests that wait, per class; 0 = by the number of workers */
 	uint64_t max_body, max_decoded, max_triangles; /* bytes, bytes, count */

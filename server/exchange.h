@@ -17,10 +17,11 @@ struct srv_worker;
 
 struct srv_head { /* header values live as long as the call that passes them */
 	const char *method, *content_length, *transfer_encoding, *content_type, *content_encoding;
-	const char *expect, *origin, *accept, *request_id;
+	const char *expect, *origin, *accept, *request_id, *authorization;
 	const char *preflight_method, *preflight_private;
-	unsigned lengths, transfers, hosts, types, encodings; /* how many of each came */
-	bool bad_bytes;                                       /* control bytes in a name or value */
+	/* how many of each came */
+	unsigned lengths, transfers, hosts, types, encodings, authorizations;
+	bool bad_bytes; /* control bytes in a name or value */
 	bool http11;
 };
 
@@ -33,7 +34,8 @@ struct srv_reply {
 	int fd;            /* -1, or where the body lies (owned until handed to the library) */
 	const char *allow; /* 405, OPTIONS */
 	const char *accept_post, *accept_encoding;
-	unsigned retry_after; /* seconds, 0: none */
+	const char *authenticate; /* 401: how */
+	unsigned retry_after;     /* seconds, 0: none */
 	bool preflight, preflight_private;
 	bool close; /* the connection cannot be used any further */
 };
@@ -61,6 +63,7 @@ struct srv_exchange {
 	char origin[256]; /* allowed origin, "" for none */
 	enum srv_endpoint endpoint;
 	bool head_seen, expects_body, expects_continue;
+	bool inside;     /* from the listener for /metrics and the probes */
 	bool distrusted; /* nobody knows where its body ends: it is not read */
 
 	struct srv_body body;

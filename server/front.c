@@ -28,6 +28,10 @@ static void obey(struct srv_front *f, const struct srv_order *order, const int *
 		srv_pool_add(&f->pool, order->slot, order->pid, fd[0], fd[1]);
 		return;
 	}
+	if (order->kind == SRV_ORDER_KEYS && fds == 1)
+		srv_log(SRV_INFO, "API keys: %s",
+			srv_keys_load(&f->keys, fd[0]) == 0 ? "new ones are in force"
+							    : "no memory, the old ones stay");
 	for (size_t i = 0; i < fds; i++)
 		close(fd[i]);
 	if (order->kind == SRV_ORDER_WORKER_GONE)
@@ -56,6 +60,11 @@ static void hear_master(struct srv_front *f)
 		_exit(1); /* no master, no workers */
 }
 
+static bool inside(const struct srv_front *f, unsigned listener)
+{
+	return f->gift->metrics_apart && listener + 1 == f->gift->listeners;
+}
+
 static void handle(struct srv_front *f, const struct epoll_event *e)
 {
 	unsigned index = (unsigned)(e->data.u64 & 0xffffffffu);
@@ -63,7 +72,7 @@ static void handle(struct srv_front *f, const struct epoll_event *e)
 	switch ((enum srv_event)(e->data.u64 >> 32)) {
 	case SRV_EV_LISTENER:
 		if (!f->refusing)
-			srv_http_accept(f->http, f->gift->listener[index]);
+			srv_http_accept(f->http, f->gift->listener[index], inside(f, index));
 		break;
 	case SRV_EV_MASTER:
 		hear_master(f);
@@ -89,7 +98,7 @@ static void tick_drain(struct srv_front *f, double now)
 		f->refusing = true;
 		/* who has connected is answered, whoever comes later is refused by the system */
 		for (unsigned i = 0; i < f->gift->listeners; i++) {
-			srv_http_accept(f->http, f->gift->listener[i]);
+			srv_http_accept(f->http, f->gift->listener[i], inside(f, i));
 			(void)epoll_ctl(f->epoll, EPOLL_CTL_DEL, f->gift->listener[i], NULL);
 			close(f->gift->listener[i]);
 		}
@@ -166,6 +175,8 @@ static int make_capabilities(struct srv_front *f)
 
 static int set_up(struct srv_front *f)
 {
+	if (f->gift->keys >= 0 && srv_keys_load(&f->keys, f->gift->keys) != 0)
+		return -1;
 	f->epoll = epoll_create1(EPOLL_CLOEXEC);
 	if (f->epoll < 0 || srv_pool_init(&f->pool, f) != 0 || make_capabilities(f) != 0)
 		return -1;
@@ -203,6 +214,7 @@ int srv_front_run(const struct srv_front_gift *gift)
 	srv_http_stop(f.http);
 	free(f.pool.worker);
 	free(f.capabilities);
+	srv_keys_free(&f.keys);
 	close(f.epoll);
 	return 0;
 }

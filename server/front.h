@@ -1,6 +1,8 @@
 #ifndef SRV_FRONT_H
 #define SRV_FRONT_H
 
+#include <stdbool.h>
+
 #include "server/config.h"
 #include "server/segment.h"
 
@@ -9,6 +11,8 @@ struct srv_front_gift {
 	const struct srv_config *config;
 	const int *listener;
 	unsigned listeners;
+	bool metrics_apart;           /* the last listener is for /metrics and the probes alone */
+	int keys;                     /* memfd of srv_keys_read(), -1: no keys are in force */
 	int master;                   /* channel: srv_order both ways, non-blocking */
 	struct srv_segment **segment; /* one per slot, the last slot is the lane for small bodies */
 	unsigned slots;

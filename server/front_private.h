@@ -7,6 +7,7 @@
 #include "server/body.h"
 #include "server/config.h"
 #include "server/front.h"
+#include "server/keys.h"
 #include "server/metrics.h"
 #include "server/pool.h"
 
@@ -20,6 +21,7 @@ struct srv_front {
 	struct srv_http *http;
 	struct srv_pool pool;
 	struct srv_budget budget;
+	struct srv_keys keys;
 	struct srv_metrics metrics;
 	struct srv_exchange *exchanges; /* all in flight */
 	unsigned in_flight;

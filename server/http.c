@@ -46,6 +46,7 @@ static const struct field {
     {"content-encoding", VALUE(content_encoding), VALUE(encodings)},
     {"expect", VALUE(expect), 0},
     {"origin", VALUE(origin), 0},
+    {"authorization", VALUE(authorization), VALUE(authorizations)},
     {"accept", VALUE(accept), 0},
     {"x-request-id", VALUE(request_id), 0},
     {"access-control-request-method", VALUE(preflight_method), 0},
@@ -137,6 +138,7 @@ static void *on_uri(void *cls, const char *uri, struct MHD_Connection *connectio
 	if (client != NULL) {
 		client->exchange = ex;
 		ex->half_closed = client->half_closed;
+		ex->inside = client->inside;
 		(void)snprintf(ex->client, sizeof ex->client, "%s", client->name);
 	}
 	return ex;
@@ -273,9 +275,9 @@ static bool take(void *self, int fd, const struct sockaddr *from, socklen_t len)
 	return MHD_add_connection(h->daemon, fd, from, len) == MHD_YES; /* else it is closed */
 }
 
-void srv_http_accept(struct srv_http *h, int listener)
+void srv_http_accept(struct srv_http *h, int listener, bool inside)
 {
-	srv_clients_accept(&h->clients, listener, take, h);
+	srv_clients_accept(&h->clients, listener, inside, take, h);
 }
 
 void srv_http_client_event(struct srv_http *h, int fd, uint32_t events)

@@ -15,8 +15,9 @@ void srv_http_stop(struct srv_http *);
 /* The descriptor to watch for reading. */
 int srv_http_epoll(struct srv_http *);
 
-/* A listening socket is readable: take what waits, up to a bounded number. */
-void srv_http_accept(struct srv_http *, int listener);
+/* A listening socket is readable: take what waits, up to a bounded number.  ${inside}: it is the
+ * one for /metrics and the probes. */
+void srv_http_accept(struct srv_http *, int listener, bool inside);
 
 /* Do what is ready; false where no request came any further by it. */
 bool srv_http_run(struct srv_http *);

@@ -19,6 +19,7 @@
 #include "server/channel.h"
 #include "server/clock.h"
 #include "server/front.h"
+#include "server/keys.h"
 #include "server/listen.h"
 #include "server/memory.h"
 #include "server/spawn.h"
@@ -26,11 +27,15 @@
 
 static int open_listeners(struct srv_master *m, char *why, size_t size)
 {
-	for (unsigned i = 0; i < m->config->listens; i++) {
-		m->listener[i] =
-		    srv_listen_open(m->config->listen[i], m->url[i], sizeof m->url[i], why, size);
+	const struct srv_config *c = m->config;
+	unsigned all = c->listens + (c->metrics_listen != NULL);
+
+	for (unsigned i = 0; i < all; i++) {
+		m->listener[i] = srv_listen_open(i < c->listens ? c->listen[i] : c->metrics_listen,
+						 m->url[i], sizeof m->url[i], why, size);
 		if (m->listener[i] < 0)
 			return -1;
+		m->listeners++;
 	}
 	return 0;
 }
@@ -128,8 +133,8 @@ static void hear_front(struct srv_master *m)
 		if (order.kind != SRV_ORDER_READY || m->ready)
 			continue;
 		m->ready = true;
-		for (unsigned i = 0; i < m->config->listens; i++)
-			(void)printf("%s\n", m->url[i]);
+		for (unsigned i = 0; i < m->listeners; i++)
+			(void)printf("%s%s\n", m->url[i], i < m->config->listens ? "" : "/metrics");
 		(void)fflush(stdout);
 	}
 }
@@ -145,12 +150,32 @@ static void begin_drain(struct srv_master *m)
 	}
 	m->draining = true;
 	srv_log(SRV_INFO, "draining");
-	for (unsigned i = 0; i < m->config->listens; i++) { /* the front closes its own in time */
+	for (unsigned i = 0; i < m->listeners; i++) { /* the front closes its own in time */
 		close(m->listener[i]);
 		m->listener[i] = -1;
 	}
 	if (m->front <= 0 || srv_channel_send(m->channel, &order, sizeof order, NULL, 0) != 0)
 		m->front = -1;
+}
+
+/* SIGHUP: the key file again; one that is none leaves the keys before in force. */
+static void change_keys(struct srv_master *m)
+{
+	struct srv_order order = {.kind = SRV_ORDER_KEYS};
+	char why[300];
+	int fd;
+
+	if (m->config->api_key_file == NULL)
+		return;
+	fd = srv_keys_read(m->config->api_key_file, why, sizeof why);
+	if (fd < 0) {
+		srv_log(SRV_ERROR, "the API keys stay as they were: %s", why);
+		return;
+	}
+	close(m->keys);
+	m->keys = fd; /* a front that is yet to come has them from here */
+	if (m->channel >= 0 && srv_channel_send(m->channel, &order, sizeof order, &fd, 1) != 0)
+		srv_log(SRV_ERROR, "cannot hand over the API keys: %s", strerror(errno));
 }
 
 static void hear_signals(struct srv_master *m)
@@ -160,6 +185,8 @@ static void hear_signals(struct srv_master *m)
 	while (read(m->signals, &info, sizeof info) == (ssize_t)sizeof info)
 		if (info.ssi_signo == SIGTERM || info.ssi_signo == SIGINT)
 			begin_drain(m);
+		else if (info.ssi_signo == SIGHUP)
+			change_keys(m);
 	reap(m);
 }
 
@@ -236,10 +263,14 @@ int srv_master_run(const struct srv_config *config)
 
 	m.config = config;
 	m.channel = -1;
+	m.keys = -1;
 	m.pid = getpid();
 	srv_memory_plan(config, &m.memory);
 	raise_descriptors();
-	if (open_listeners(&m, why, sizeof why) != 0 || open_segments(&m, why, sizeof why) != 0) {
+	if (config->api_key_file != NULL)
+		m.keys = srv_keys_read(config->api_key_file, why, sizeof why);
+	if ((config->api_key_file != NULL && m.keys < 0) ||
+	    open_listeners(&m, why, sizeof why) != 0 || open_segments(&m, why, sizeof why) != 0) {
 		(void)fprintf(stderr, "masspropd: %s\n", why);
 		return 1;
 	}

@@ -61,6 +61,8 @@ void srv_reply_headers(const struct srv_exchange *ex, adder *add, void *to)
 	cors(ex, add, to);
 	if (r->allow != NULL)
 		add(to, "Allow", r->allow);
+	if (r->authenticate != NULL)
+		add(to, "WWW-Authenticate", r->authenticate);
 	if (r->accept_post != NULL)
 		add(to, "Accept-Post", r->accept_post);
 	if (r->accept_encoding != NULL)

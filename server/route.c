@@ -205,14 +205,52 @@ static void options(struct srv_exchange *ex, const struct srv_head *h, const str
 	ex->reply.preflight_private = ex->reply.preflight && h->preflight_private != NULL;
 }
 
-static void dispatch(struct srv_exchange *ex, const struct srv_head *h, uint64_t length)
+/* Probes answer everybody, and so does the listener that is kept for those who look after us. */
+static bool may_ask(const struct srv_exchange *ex, const struct srv_head *h, const struct route *r)
+{
+	const struct srv_keys *keys = &ex->front->keys;
+
+	return !keys->in_force || ex->inside ||
+	       (r != NULL && (r->endpoint == SRV_LIVEZ || r->endpoint == SRV_READYZ)) ||
+	       (h->authorizations == 1 && srv_keys_fit(keys, h->authorization));
+}
+
+static void ask_for_key(struct srv_exchange *ex, const struct srv_head *h)
+{
+	refuse(ex, API_UNAUTHORIZED,
+	       h->authorizations == 0
+		   ? "send one of the service's API keys: Authorization: Bearer KEY"
+	       : h->authorizations > 1 ? "more than one Authorization header came"
+				       : "no API key in force fits the one that came");
+	ex->reply.authenticate = h->authorizations == 0
+				     ? "Bearer realm=\"masspropd\""
+				     : "Bearer realm=\"masspropd\", error=\"invalid_token\"";
+}
+
+/* With a listener of its own /metrics is there alone, and little else is. */
+static const struct route *find_at(const struct srv_exchange *ex)
 {
 	const struct route *r = find(ex->path);
+
+	if (r != NULL && r->endpoint == SRV_METRICS && ex->front->gift->metrics_apart &&
+	    !ex->inside)
+		return NULL;
+	if (r != NULL && ex->inside && r->endpoint != SRV_METRICS && r->endpoint != SRV_LIVEZ &&
+	    r->endpoint != SRV_READYZ)
+		return NULL;
+	return r;
+}
+
+static void dispatch(struct srv_exchange *ex, const struct srv_head *h, uint64_t length)
+{
+	const struct route *r = find_at(ex);
 	bool get = strcmp(ex->method, "GET") == 0 || strcmp(ex->method, "HEAD") == 0;
 	bool post = strcmp(ex->method, "POST") == 0;
 
 	if (strcmp(ex->method, "OPTIONS") == 0 && (r != NULL || strcmp(ex->path, "*") == 0)) {
 		options(ex, h, r);
+	} else if (!may_ask(ex, h, r)) {
+		ask_for_key(ex, h);
 	} else if (r == NULL) {
 		refuse(ex, API_NOT_FOUND, "there is nothing at this path");
 	} else if (r->post ? !post : !get) {

@@ -47,7 +47,9 @@ _Noreturn static void worker_child(struct srv_master *m, unsigned i, int sock)
 
 	become_child(m, m->slot[i].role);
 	close(m->channel);
-	for (unsigned k = 0; k < m->config->listens; k++)
+	if (m->keys >= 0)
+		close(m->keys); /* a file that takes over this process shall find none */
+	for (unsigned k = 0; k < m->listeners; k++)
 		close(m->listener[k]);
 	for (unsigned k = 0; k < m->slots; k++) /* another customer's bytes are none of ours */
 		if (k != i)
@@ -103,7 +105,9 @@ _Noreturn static void front_child(struct srv_master *m, int channel)
 	struct srv_segment *segment[SRV_SLOTS];
 	struct srv_front_gift gift = {.config = m->config,
 				      .listener = m->listener,
-				      .listeners = m->config->listens,
+				      .listeners = m->listeners,
+				      .metrics_apart = m->config->metrics_listen != NULL,
+				      .keys = m->keys,
 				      .master = channel,
 				      .segment = segment,
 				      .slots = m->slots,

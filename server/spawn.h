@@ -24,8 +24,10 @@ struct srv_slot {
 struct srv_master {
 	const struct srv_config *config;
 	struct srv_memory memory;
-	int listener[SRV_LISTEN_MAX];
-	char url[SRV_LISTEN_MAX][96];
+	int listener[SRV_LISTEN_MAX + 1]; /* the one for /metrics comes last, where there is one */
+	char url[SRV_LISTEN_MAX + 1][96];
+	unsigned listeners;
+	int keys; /* memfd of the API keys, -1: none are in force */
 	struct srv_slot slot[SRV_SLOTS];
 	unsigned slots;
 	pid_t pid, front;

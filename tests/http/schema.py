@@ -44,7 +44,9 @@ def _declared(path, status):
     item = DOCUMENT["paths"].get(path.split("?")[0])
     if item is None:
         return None
-    return [op["responses"][str(status)] for op in item.values() if str(status) in op["responses"]]
+    found = [op["responses"][str(status)] for op in item.values() if str(status) in op["responses"]]
+    named = DOCUMENT["components"]["responses"]
+    return [named[r["$ref"].rpartition("/")[2]] if "$ref" in r else r for r in found]
 
 
 def faults(path, answer):
