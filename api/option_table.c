@@ -169,14 +169,9 @@ static int set_orient(struct api_options *o, const struct api_value *v)
 
 static int set_weld(struct api_options *o, const struct api_value *v)
 {
-	double x = -1;
-
-	(void)o;
-	if (api_value_numbers(v, &x, 1))
+	if (api_value_numbers(v, &o->weld, 1))
 		return -1;
-	if (x < 0)
-		return api_value_bad(v, "a number that is not negative");
-	return x == 0 ? 0 : not_yet(v);
+	return o->weld < 0 ? api_value_bad(v, "a number that is not negative") : 0;
 }
 
 static int set_checks(struct api_options *o, const struct api_value *v)
@@ -231,7 +226,7 @@ const struct api_option_row api_option_rows[] = {
     {"transform", set_transform, true},
     {"flip", set_flip, false},
     {"orient", set_orient, true},
-    {"weld", set_weld, true},
+    {"weld", set_weld, false},
     {"bodies", set_bodies, false},
     {"defects", set_defects, false},
     {"checks", set_checks, true},

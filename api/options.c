@@ -113,6 +113,7 @@ void api_options_request(const struct api_options *o, struct mp_request *out)
 
 	out->format = o->format;
 	out->flip = o->flip;
+	out->weld = o->weld;
 	out->precision = o->precision;
 	out->density_kind = MP_DENSITY_NONE;
 	out->density = 0;

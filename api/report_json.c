@@ -291,7 +291,7 @@ static void add_tail(struct doc *d, cJSON *root, const struct api_timing *timing
 	cJSON *o = api_json_object(&d->j, root, "repairs");
 
 	api_json_count(&d->j, o, "flipped_triangles", d->r->flipped_triangles);
-	api_json_count(&d->j, o, "welded_vertices", 0);
+	api_json_count(&d->j, o, "welded_vertices", d->r->welded_vertices);
 	(void)api_warnings_text(d->r, d->o, d->lists_cut, &warnings);
 	api_json_text(&d->j, root, "warnings", &warnings);
 	o = api_json_object(&d->j, root, "timing_ms");

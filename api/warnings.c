@@ -92,6 +92,10 @@ static const struct api_warning rows[WARNINGS] = {
     [MP_WARN_NUL_BYTES] =
 	{"nul_bytes", "The file ends with NUL characters, as some programs write them. They were "
 		      "passed over."},
+    [MP_WARN_WELD_UNDECIDED] =
+	{"weld_undecided",
+	 "There are so many places at nearly the weld distance from each other that not all were "
+	 "compared: some that are nearer may be apart still. Choose a smaller or a larger weld."},
     [UNIT_ASSUMED] =
 	{"unit_assumed",
 	 "No unit was given and the file does not say one, so its numbers were taken as "

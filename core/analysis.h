@@ -26,6 +26,7 @@ struct mp_request {
 	uint8_t key[16]; /* secret random bytes, fresh for every request: keys the hash tables */
 	struct mp_limits limits;
 	bool flip;
+	double weld; /* [L] vertices nearer than this are one; 0: identical coordinates */
 	enum mp_precision_wish precision; /* AUTO: exact where that costs under a millisecond */
 	enum mp_density_kind density_kind;
 	double density; /* GIVEN: [M/L^3] times density_divisor, FROM_MASS: the mass [M] */

@@ -10,6 +10,7 @@
 #include "core/bodies/named.h"
 #include "core/moments/bounds.h"
 #include "core/moments/mass.h"
+#include "core/repair/repair.h"
 #include "core/report/report_parts.h"
 
 /* The mesh changes owner: from here on the report has it, whatever happens. */
@@ -200,7 +201,8 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	    mp_named_solve(named, &mesh, a->request.key, err) ||
 	    mp_bodies_nest(&mesh, &r->topology, bodies, err))
 		return -1;
-	r->by_index = a->by_index;
+	if (!r->repaired) /* else the file's numbers are of another mesh */
+		r->by_index = a->by_index;
 	mp_index_compare(&r->by_index, &r->topology);
 	set_masses(request, named, &whole, &density, r);
 	if (mp_report_exact_whole(x, request, &mesh, bodies, r, err))
@@ -225,7 +227,9 @@ int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,
 		return mp_fail(err, MP_BUG, MP_NO_BYTE, "a report without an ended file");
 	}
 	take_mesh(a, request, out);
-	ret = fill(a, request, out, &named, &bodies, &exact, err);
+	ret = mp_repair(request, a->request.key, out, &a->moments, err);
+	if (ret == 0)
+		ret = fill(a, request, out, &named, &bodies, &exact, err);
 	mp_report_exact_free(&exact);
 	mp_bodies_free(&bodies);
 	mp_named_free(&named);

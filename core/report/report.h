@@ -47,6 +47,7 @@ enum mp_warning {
 	MP_WARN_NONPLANAR,           /* polygons that are not flat */
 	MP_WARN_TANGLED,             /* polygons that cross themselves: the area is off */
 	MP_WARN_NUL_BYTES,           /* text that ends with NUL characters */
+	MP_WARN_WELD_UNDECIDED,      /* some vertices nearer than weld may be apart still */
 	MP_WARNINGS
 };
 
@@ -149,6 +150,8 @@ struct mp_report {
 	uint32_t bodies_listed;
 	char *names;                /* what body[].name points into */
 	uint64_t flipped_triangles; /* reversed because the request said flip */
+	uint64_t welded_vertices;   /* no longer used, as others have taken their place */
+	bool repaired;              /* the mesh is not the file's: welded */
 	uint64_t warnings;          /* bit 1 << enum mp_warning */
 	double decode_s, analyse_s; /* 0: core reads no clock; the caller fills these */
 };

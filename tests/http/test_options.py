@@ -61,6 +61,10 @@ GOOD = {
     "flip=true": {"properties.volume": 24000, "properties.signed_volume": -24000,
                   "checks.orientation": "inward", "repairs.flipped_triangles": 12},
     "flip=false": {"properties.signed_volume": 24000, "repairs.flipped_triangles": 0},
+    "weld=0": {"repairs.welded_vertices": 0, "mesh.vertices": 8},
+    "weld=20": {"repairs.welded_vertices": 0, "mesh.vertices": 8},  # nearer than this, not at it
+    "weld=20.5": {"repairs.welded_vertices": 4, "mesh.vertices": 4, "properties.volume": 0,
+                  "checks.degenerate_triangles": 8, "mesh.bounding_box.max": [40, 30, 0]},
     "format=stl": {"input.format": "stl-binary"},
     "format=auto": {"input.format": "stl-binary"},
     "bodies=0": {"bodies": [], "mesh.bodies": 1},
@@ -92,7 +96,7 @@ BAD = {
     "transform": ("", "1,2,3", "nan,0,0,0,0,1,0,0,0,0,1,0"), "include": ("",),
     "density[steel]": ("", "0", "x"),
 }
-LATER = ("orient=fix", "weld=0.01", "checks=closed", "precision=exact", "precision=certified",
+LATER = ("orient=fix", "checks=closed", "precision=exact", "precision=certified",
          "resolution=1e-6", "include=facets", "include=digest",
          "transform=1,0,0,0,0,1,0,0,0,0,1,0", "transform=1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1")
 

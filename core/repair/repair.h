@@ -1,0 +1,17 @@
+#ifndef MP_REPAIR_H
+#define MP_REPAIR_H
+
+#include "core/analysis.h"
+#include "core/moments/moments.h"
+#include "core/report/report.h"
+
+/*
+ * mp_repair(request, key, report, moments, err):
+ * What the request asks to be done to the mesh before anything is said of it: welding.  Changes
+ * report->tri, counts what was done in ${report}, and sums ${moments} again where the mesh is
+ * another one now.  ${key}: as for the vertex table.  -1: memory is out.
+ */
+int mp_repair(const struct mp_request *request, const uint8_t key[16], struct mp_report *report,
+	      struct mp_moments *moments, struct mp_error *err);
+
+#endif
