@@ -8,6 +8,24 @@
 /* Triangle numbers are uint32_t and UINT32_MAX means none. */
 #define MOST_TRIANGLES (UINT32_MAX - 1)
 
+/* How many words mp_flat_mark() needs for so many triangles. */
+static size_t flat_words(size_t triangles)
+{
+	return triangles / MP_FLAT_GROUP / 64 + 1;
+}
+
+static int reserve_flat(struct mp_analysis *a, size_t room, struct mp_error *err)
+{
+	size_t before = a->flat == NULL ? 0 : flat_words(a->room), after = flat_words(room);
+	uint64_t *new = realloc(a->flat, after * sizeof *new);
+
+	if (new == NULL)
+		return mp_fail_nomem(err);
+	memset(new + before, 0, (after - before) * sizeof *new);
+	a->flat = new;
+	return 0;
+}
+
 static int reserve(struct mp_analysis *a, size_t count, struct mp_error *err)
 {
 	size_t need = a->triangles + count, room = a->room;
@@ -17,6 +35,8 @@ static int reserve(struct mp_analysis *a, size_t count, struct mp_error *err)
 		return 0;
 	while (room < need)
 		room = room < 1024 ? 1024 : 2 * room; /* need < 2^33: no overflow in 64 bits */
+	if (reserve_flat(a, room, err))
+		return -1;
 	if (room > SIZE_MAX / sizeof *a->tri ||
 	    (new = realloc(a->tri, room * sizeof *a->tri)) == NULL)
 		return mp_fail_nomem(err);
@@ -39,6 +59,7 @@ static int take_block(void *self, const double (*tri)[9], size_t count, struct m
 	    mp_vertices_add(a->vertices, tri, count, a->tri + a->triangles, err))
 		return -1;
 	mp_moments_add(&a->moments, tri, count);
+	mp_flat_mark(tri, count, a->triangles, a->flat);
 	a->triangles += count;
 	return 0;
 }
@@ -207,6 +228,7 @@ void mp_analysis_free(struct mp_analysis *a)
 		a->decoder->end(a->state);
 	mp_vertices_free(a->vertices);
 	free(a->tri);
+	free(a->flat);
 	mp_parts_free(&a->names.parts);
 	mp_parts_free(&a->names.objects);
 	mp_parts_free(&a->names.materials);

@@ -23,6 +23,8 @@ struct mp_analysis {
 	struct mp_moments moments; /* the sums, as in the file (not flipped) */
 	struct mp_vertices *vertices;
 	uint32_t (*tri)[3];
+	uint64_t
+	    *flat; /* mp_flat_mark() of them: good for as long as no vertex is moved or merged */
 	size_t triangles, room;
 	struct mp_names names;
 	bool has_material; /* the file in work */

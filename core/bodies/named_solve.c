@@ -45,7 +45,8 @@ static int take_out(struct apart *a, const struct mp_mesh *mesh, const uint32_t 
 
 static int measure(struct apart *a, uint32_t count, struct mp_group *g, struct mp_error *err)
 {
-	const struct mp_mesh mesh = {a->vertices, (const uint32_t(*)[3])a->tri, count};
+	const struct mp_mesh mesh = {
+	    .vertices = a->vertices, .tri = (const uint32_t(*)[3])a->tri, .triangles = count};
 
 	if (mp_topology_find(&mesh, 0, &a->topology, err))
 		return -1;

@@ -5,7 +5,9 @@
 
 static void sum_again(const struct mp_report *r, struct mp_moments *moments)
 {
-	const struct mp_mesh mesh = {r->vertices, (const uint32_t(*)[3])r->tri, r->triangles};
+	const struct mp_mesh mesh = {.vertices = r->vertices,
+				     .tri = (const uint32_t(*)[3])r->tri,
+				     .triangles = r->triangles};
 
 	mp_moments_begin(moments);
 	mp_solid_add(moments, &mesh, NULL, mesh.triangles);

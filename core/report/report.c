@@ -187,7 +187,10 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 		struct mp_named *named, struct mp_bodies *bodies, struct mp_report_exact *x,
 		struct mp_error *err)
 {
-	const struct mp_mesh mesh = {r->vertices, (const uint32_t(*)[3])r->tri, r->triangles};
+	const struct mp_mesh mesh = {.vertices = r->vertices,
+				     .tri = (const uint32_t(*)[3])r->tri,
+				     .triangles = r->triangles,
+				     .flat = r->repaired ? NULL : a->flat};
 	struct mp_density density;
 	struct mp_solid whole;
 

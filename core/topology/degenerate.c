@@ -1,7 +1,34 @@
+#include <math.h>
+
 #include "core/geometry/predicates.h"
 #include "core/topology/topology_parts.h"
 
 enum { AHEAD = 16 };
+
+/*
+ * Whether the projection of ${t} along axis ${k} is certainly not flat: Shewchuk's filter as in
+ * predicates.c, with |left| + |right|, which is larger where the signs differ but then equal to
+ * the other side.  The limits keep products from underflow and overflow.
+ */
+static inline bool is_wide(const double t[9], unsigned k)
+{
+	unsigned l = k == 2 ? 0 : k + 1;
+	double left = (t[k] - t[6 + k]) * (t[3 + l] - t[6 + l]);
+	double right = (t[l] - t[6 + l]) * (t[3 + k] - t[6 + k]);
+	double sum = fabs(left) + fabs(right);
+
+	return sum > 0x1p-960 && sum < 0x1p1020 && fabs(left - right) > 0x1p-51 * sum;
+}
+
+void mp_flat_mark(const double (*tri)[9], size_t count, uint64_t first, uint64_t *flat)
+{
+	for (size_t i = 0; i < count; i++) {
+		uint64_t group = (first + i) / MP_FLAT_GROUP;
+
+		if (!is_wide(tri[i], 0) && !is_wide(tri[i], 1) && !is_wide(tri[i], 2))
+			flat[group / 64] |= (uint64_t)1 << (group % 64);
+	}
+}
 
 static bool is_degenerate(const struct mp_mesh *mesh, const uint32_t v[3])
 {
@@ -27,12 +54,26 @@ static int list(const struct mp_mesh *mesh, const struct mp_smallest *found,
 	return 0;
 }
 
+/* Where the next triangle to look at is, ${t} or behind. */
+static uint32_t candidate(const struct mp_mesh *mesh, uint32_t t)
+{
+	while (mesh->flat != NULL && t < mesh->triangles) {
+		size_t groups = (size_t)mesh->triangles / MP_FLAT_GROUP + 1;
+		size_t group = mp_bit_next(mesh->flat, groups, t / MP_FLAT_GROUP);
+
+		if (group == t / MP_FLAT_GROUP)
+			break;
+		t = group < groups ? (uint32_t)group * MP_FLAT_GROUP : mesh->triangles;
+	}
+	return t;
+}
+
 int mp_degenerate_find(const struct mp_mesh *mesh, uint32_t most, struct mp_topology *out)
 {
 	struct mp_smallest found = {.most = most};
 	int failed;
 
-	for (uint32_t t = 0; t < mesh->triangles; t++) {
+	for (uint32_t t = candidate(mesh, 0); t < mesh->triangles; t = candidate(mesh, t + 1)) {
 		for (unsigned k = 0; k < 3 && t + AHEAD < mesh->triangles; k++)
 			mp_vertices_prefetch(mesh->vertices, mesh->tri[t + AHEAD][k]);
 		if (!is_degenerate(mesh, mesh->tri[t]))

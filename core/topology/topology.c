@@ -28,14 +28,29 @@ static uint64_t found(const struct mp_topology *t, enum mp_defect_kind kind)
 	return 0;
 }
 
-static int find(const struct mp_mesh *mesh, const struct mp_edges *edges, uint32_t most,
-		struct mp_topology *out)
+/* Everything but degenerate triangles, whatever the mesh is like. */
+static int find_all(const struct mp_mesh *mesh, uint32_t most, struct mp_topology *out)
 {
-	if (mp_degenerate_find(mesh, most, out) || mp_bodies_find(mesh, edges, out) ||
-	    mp_fans_find(mesh, edges, most, out) || mp_duplicates_find(mesh, edges, most, out) ||
-	    mp_bad_edges_list(mesh, edges, most, out) || mp_loops_find(mesh, edges, most, out))
+	struct mp_edges edges;
+	int failed;
+
+	if (mp_edges_build(mesh, &edges, NULL))
 		return -1;
-	if (!out->closed && mp_cracks_find(mesh, edges, out))
+	failed = mp_bodies_find(mesh, &edges, out) || mp_fans_find(mesh, &edges, most, out) ||
+		 mp_duplicates_find(mesh, &edges, most, out) ||
+		 mp_bad_edges_list(mesh, &edges, most, out) ||
+		 mp_loops_find(mesh, &edges, most, out) ||
+		 (!out->closed && mp_cracks_find(mesh, &edges, out));
+	mp_edges_free(&edges);
+	return failed ? -1 : 0;
+}
+
+static int find(const struct mp_mesh *mesh, uint32_t most, struct mp_topology *out)
+{
+	bool good;
+
+	if (mp_degenerate_find(mesh, most, out) || mp_manifold_find(mesh, out, &good) ||
+	    (!good && find_all(mesh, most, out)))
 		return -1;
 	out->euler = (int64_t)(out->vertices + out->faces) - (int64_t)out->edges;
 	for (int k = 0; k < MP_DEFECT_KINDS; k++)
@@ -46,18 +61,11 @@ static int find(const struct mp_mesh *mesh, const struct mp_edges *edges, uint32
 int mp_topology_find(const struct mp_mesh *mesh, uint32_t most, struct mp_topology *out,
 		     struct mp_error *err)
 {
-	struct mp_edges edges;
-	int failed;
-
 	memset(out, 0, sizeof *out);
 	if (mesh->triangles > MP_MOST_TRIANGLES)
 		return mp_fail_limit(err, MP_NO_BYTE, MP_MOST_TRIANGLES, mesh->triangles,
 				     "more triangles than the checks can number");
-	if (mp_edges_build(mesh, &edges, err))
-		return -1;
-	failed = find(mesh, &edges, most, out);
-	mp_edges_free(&edges);
-	if (!failed)
+	if (!find(mesh, most, out))
 		return 0;
 	mp_topology_free(out);
 	return mp_fail_nomem(err);

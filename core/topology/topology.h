@@ -12,7 +12,20 @@ struct mp_mesh {
 	const struct mp_vertices *vertices;
 	const uint32_t (*tri)[3]; /* vertex numbers, each < mp_vertices_count(vertices) */
 	uint32_t triangles;
+	/*
+	 * NULL, or what mp_flat_mark() said of exactly these triangles while they came; whoever
+	 * moves vertices or makes one of several leaves it NULL.
+	 */
+	const uint64_t *flat;
 };
+
+/*
+ * mp_flat_mark(tri, count, first, flat):
+ * Set bit t/MP_FLAT_GROUP of ${flat} wherever one of the ${count} triangles ${tri} (as in struct
+ * mp_sink), which are numbered ${first} and on, may be degenerate; where no bit is set none is.
+ */
+enum { MP_FLAT_GROUP = 64 };
+void mp_flat_mark(const double (*tri)[9], size_t count, uint64_t first, uint64_t *flat);
 
 #define MP_NO_BODY UINT32_MAX
 

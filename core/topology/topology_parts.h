@@ -13,6 +13,13 @@
 /* degenerate.c: triangles of zero area, by index or by exact collinearity. */
 int mp_degenerate_find(const struct mp_mesh *, uint32_t most, struct mp_topology *out);
 
+/*
+ * manifold.c: the short way.  Where every edge is used once in each direction, every vertex has one
+ * fan and no triangle repeats another, this fills everything below but euler; else ${*good} is
+ * false and nothing is filled.  28 bytes a triangle for a moment.
+ */
+int mp_manifold_find(const struct mp_mesh *, struct mp_topology *out, bool *good);
+
 /* components.c: body_of, bodies and what each body's edges are; also the counts of all edges. */
 int mp_bodies_find(const struct mp_mesh *, const struct mp_edges *, struct mp_topology *out);
 
