@@ -22,6 +22,8 @@ static int charge(struct srv_body *b, uint64_t bytes)
 	if (bytes > srv_budget_left(b->budget))
 		return -1;
 	b->budget->used += bytes;
+	if (b->budget->used > b->budget->highest)
+		b->budget->highest = b->budget->used;
 	b->charged += bytes;
 	return 0;
 }

@@ -15,6 +15,7 @@ enum { SRV_BODY_SMALL = 256 << 10 }; /* bytes; not more than a ring takes */
 struct srv_budget {
 	uint64_t most, used; /* one large answer may go beyond most */
 	uint64_t answers;    /* of used */
+	uint64_t highest;    /* of used, since the front last gave memory back */
 };
 
 uint64_t srv_budget_left(const struct srv_budget *);

@@ -295,7 +295,7 @@ static void tick_body(struct srv_exchange *ex, double now)
 		ex->rate_bytes = ex->received;
 		return;
 	}
-	if (ex->half_closed && now - (ex->received > 0 ? ex->last_byte : ex->began) > 1) {
+	if (ex->half_closed && srv_http_drained(ex)) { /* the rest of the body will never come */
 		srv_exchange_abort(ex);
 	} else if (crowded && window >= crowded_after_s && rate < crowded_rate) {
 		too_slow(ex, "the body comes too slowly while others wait");

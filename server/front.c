@@ -1,6 +1,7 @@
 #include "server/front.h"
 
 #include <errno.h>
+#include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -12,6 +13,7 @@
 #include "server/front_private.h"
 #include "server/http.h"
 
+enum { TRIM_FROM = 4 << 20 }; /* bytes */
 enum { EVENTS = 64, TICK_MS = 100, MOST_FRUITLESS = 100 };
 
 int srv_front_watch(struct srv_front *f, int fd, enum srv_event kind, unsigned index,
@@ -108,6 +110,17 @@ static void tick_drain(struct srv_front *f, double now)
 		f->stop = true;
 }
 
+/* What a crowd needed goes back to the system when it has left: the heap keeps holes by itself. */
+static void shrink(struct srv_front *f)
+{
+	struct srv_budget *b = &f->budget;
+
+	if (b->highest < TRIM_FROM || b->used > b->highest / 8)
+		return;
+	b->highest = b->used;
+	(void)malloc_trim(0);
+}
+
 static void tick(struct srv_front *f, double now)
 {
 	struct srv_exchange *next;
@@ -119,6 +132,7 @@ static void tick(struct srv_front *f, double now)
 	srv_pool_tick(&f->pool, now);
 	srv_http_tick(f->http, now, f->refusing);
 	tick_drain(f, now);
+	shrink(f);
 }
 
 static bool sends(const struct srv_front *f)

@@ -299,6 +299,13 @@ void srv_http_resume(struct srv_exchange *ex)
 	MHD_resume_connection(ex->connection);
 }
 
+bool srv_http_drained(const struct srv_exchange *ex)
+{
+	char c;
+
+	return recv(descriptor(ex->connection), &c, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+}
+
 void srv_http_shut(struct srv_exchange *ex)
 {
 	(void)shutdown(descriptor(ex->connection), SHUT_RDWR);

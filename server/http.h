@@ -29,7 +29,10 @@ int srv_http_timeout(struct srv_http *);
 void srv_http_client_event(struct srv_http *, int fd, uint32_t events);
 
 void srv_http_resume(struct srv_exchange *); /* nothing where it is not suspended */
-void srv_http_shut(struct srv_exchange *);   /* end the connection under it */
+/* Has the client closed its side, and nothing of what it sent is left to read? */
+bool srv_http_drained(const struct srv_exchange *);
+
+void srv_http_shut(struct srv_exchange *); /* end the connection under it */
 
 /* Send the answer of ${ex} past the library, as far as the socket takes it at once. */
 void srv_http_last_words(struct srv_exchange *);

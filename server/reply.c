@@ -150,6 +150,8 @@ static bool afford(struct srv_exchange *ex, uint64_t bytes)
 	if (bytes > left && b->answers > 0) /* the only one may be of any size */
 		return false;
 	b->used += bytes;
+	if (b->used > b->highest)
+		b->highest = b->used;
 	b->answers += bytes;
 	ex->charged = bytes;
 	return true;

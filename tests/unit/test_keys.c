@@ -70,7 +70,7 @@ static void test_only_a_whole_key_of_the_scheme_fits(void **state)
 					    "alpha",
 					    "Basic alpha",
 					    "Bearer ",
-					    "Bearer alph",
+					    "Bearer alp",
 					    "Bearer alphaa",
 					    "Bearer Alpha",
 					    "Bearer alpha beta",
