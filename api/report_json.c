@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "api/json_build.h"
+#include "api/report_extras.h"
 #include "api/report_lists.h"
 #include "api/report_words.h"
 #include "api/units.h"
@@ -314,6 +315,7 @@ char *api_report_json(const struct mp_report *report, const struct api_options *
 	add_checks(&d, root);
 	add_properties(&d, root);
 	add_bounds(&d, root);
+	api_uncertainty_add(&d.j, root, report);
 	api_bodies_text(report, &bodies);
 	api_json_text(&d.j, root, "bodies", &bodies);
 	add_defects(&d, root);

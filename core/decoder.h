@@ -21,6 +21,13 @@ enum mp_format {
 	MP_FORMAT_MIXED /* of several files; no decoder says so */
 };
 
+/* What the format does to every coordinate that is written to it. */
+enum mp_rounding {
+	MP_ROUNDING_UNKNOWN = 0, /* text: how many digits count is not said; or not found out */
+	MP_ROUNDING_FLOAT32,     /* to the nearest float32 */
+	MP_ROUNDING_QUANTISED    /* to the nearest multiple of quantisation_step, then to float32 */
+};
+
 enum { MP_BLOCK = 256 }; /* triangles in every block but the last */
 
 /*
@@ -76,7 +83,8 @@ struct mp_notes {
 	uint64_t tangled_polygons;    /* crossing themselves: their area is off */
 	uint64_t nul_bytes;           /* OBJ: NUL and Ctrl-Z characters at the end */
 	double quantisation_step; /* [L] of the coordinates; 0: none, or (Draco 1.x) not known */
-	bool foreign_code;        /* another project's decoder read the bytes, maybe in vain */
+	enum mp_rounding rounding;
+	bool foreign_code; /* another project's decoder read the bytes, maybe in vain */
 };
 
 struct mp_decoder_ops {

@@ -26,5 +26,7 @@ void mp_notes_add(struct mp_notes *sum, const struct mp_notes *file)
 	sum->nul_bytes += file->nul_bytes;
 	if (sum->quantisation_step < file->quantisation_step)
 		sum->quantisation_step = file->quantisation_step;
+	if (sum->rounding != file->rounding)
+		sum->rounding = MP_ROUNDING_UNKNOWN;
 	sum->foreign_code |= file->foreign_code;
 }

@@ -259,11 +259,24 @@ static int decode(struct draco *d, struct mp_draco_mesh **mesh, struct mp_draco_
 	return 0;
 }
 
+/* Bitstreams before 2.0 do not let it be seen whether they were quantised. */
+static void note_rounding(struct mp_notes *notes, const struct mp_draco_shape *shape,
+			  unsigned version)
+{
+	if (shape->step > 0 && isfinite(shape->step)) {
+		notes->quantisation_step = shape->step;
+		notes->rounding = MP_ROUNDING_QUANTISED;
+	} else if (shape->step == 0 && shape->type == MP_DRACO_FLOAT32 && version >= 2) {
+		notes->rounding = MP_ROUNDING_FLOAT32;
+	}
+}
+
 static int draco_finish(void *state, struct mp_error *err)
 {
 	struct draco *d = state;
 	struct mp_draco_mesh *mesh = NULL;
 	struct mp_draco_shape shape;
+	unsigned version;
 	int ret;
 
 	if (d->len == 0)
@@ -272,14 +285,14 @@ static int draco_finish(void *state, struct mp_error *err)
 		return mp_fail(err, MP_SYNTAX, 0, "no Draco file: it does not begin with DRACO");
 	if (d->len < MP_DRACO_KIND)
 		return mp_fail(err, MP_TRUNCATED, d->len, "the file ends inside its header");
+	version = d->file[MP_DRACO_MAJOR];
 	if (mp_draco_check_counts(d->file, d->len, d->limits, err) || decode(d, &mesh, &shape, err))
 		return -1;
 	ret = check_shape(&shape, d->limits, err);
 	if (ret == 0) {
 		if (shape.used < d->notes->bytes)
 			d->notes->trailing_bytes = d->notes->bytes - shape.used;
-		if (shape.step > 0 && isfinite(shape.step))
-			d->notes->quantisation_step = shape.step;
+		note_rounding(d->notes, &shape, version);
 		ret = send(d, mesh, &shape, err);
 	}
 	mp_draco_free(mesh);

@@ -10,8 +10,9 @@
  */
 
 enum {
-	MP_DRACO_KIND = 9, /* bytes that tell kind and version: magic, 2 * version, kind, method */
-	MP_DRACO_HEAD = 11 /* with the flags */
+	MP_DRACO_MAJOR = 5, /* where the version's first number stands */
+	MP_DRACO_KIND = 9,  /* bytes that tell kind and version: magic, 2 * version, kind, method */
+	MP_DRACO_HEAD = 11  /* with the flags */
 };
 
 /*

@@ -208,7 +208,8 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 		r->by_index = a->by_index;
 	mp_index_compare(&r->by_index, &r->topology);
 	set_masses(request, named, &whole, &density, r);
-	if (mp_report_exact_whole(x, request, &mesh, bodies, r, err))
+	if (mp_report_exact_whole(x, request, &mesh, bodies, r, err) ||
+	    mp_report_uncertainty(request, &mesh, r, err))
 		return -1;
 	warn(r);
 	if (mp_bodies_judge(bodies, r, err) ||

@@ -8,6 +8,7 @@
 #include "core/bodies/nesting.h"
 #include "core/decoder.h"
 #include "core/moments/principal.h"
+#include "core/moments/uncertainty.h"
 #include "core/topology/index.h"
 #include "core/topology/topology.h"
 
@@ -142,6 +143,7 @@ struct mp_report {
 	double radii_of_gyration[3];
 	enum mp_precision precision;
 	struct mp_bounds bounds;
+	struct mp_uncertainty uncertainty;
 	bool inertia_origin_defined;
 	bool inertia_about_defined, axis_defined; /* false too where the request did not ask */
 	bool radii_defined; /* false where a moment is negative: bodies of mixed winding */

@@ -39,4 +39,10 @@ int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_requ
 			   struct mp_report *report, struct mp_error *err);
 void mp_report_exact_free(struct mp_report_exact *x);
 
+/*
+ * report->uncertainty, once total, box, topology and density are there.  -1: memory is out.
+ */
+int mp_report_uncertainty(const struct mp_request *request, const struct mp_mesh *mesh,
+			  struct mp_report *report, struct mp_error *err);
+
 #endif

@@ -54,6 +54,7 @@ static int decide(struct stl *s, bool whole, struct mp_error *err)
 	switch (s->kind) {
 	case STL_BINARY:
 		s->notes->format = MP_FORMAT_STL_BINARY;
+		s->notes->rounding = MP_ROUNDING_FLOAT32;
 		stl_binary_begin(s, s->window, hint);
 		begin = STL_HEADER;
 		break;

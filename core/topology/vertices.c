@@ -354,11 +354,22 @@ uint32_t mp_vertices_count(const struct mp_vertices *v)
 
 void mp_vertices_get(const struct mp_vertices *v, uint32_t number, double xyz[3])
 {
-	size_t at = 3 * (size_t)number;
+	const double *wide = (const double *)v->xyz + 3 * (size_t)number;
+	const float *narrow = (const float *)v->xyz + 3 * (size_t)number;
 
-	for (unsigned k = 0; k < 3; k++)
-		xyz[k] = v->wide ? ((const double *)v->xyz)[at + k]
-				 : (double)((const float *)v->xyz)[at + k];
+	if (v->wide) {
+		memcpy(xyz, wide, 3 * sizeof *wide);
+		return;
+	}
+	xyz[0] = (double)narrow[0];
+	xyz[1] = (double)narrow[1];
+	xyz[2] = (double)narrow[2];
+}
+
+void mp_vertices_corners(const struct mp_vertices *v, const uint32_t number[3], double xyz[3][3])
+{
+	for (int c = 0; c < 3; c++)
+		mp_vertices_get(v, number[c], xyz[c]);
 }
 
 void mp_vertices_prefetch(const struct mp_vertices *v, uint32_t number)
@@ -366,6 +377,12 @@ void mp_vertices_prefetch(const struct mp_vertices *v, uint32_t number)
 	size_t each = 3 * (v->wide ? sizeof(double) : sizeof(float));
 
 	__builtin_prefetch((const char *)v->xyz + number * each);
+}
+
+void mp_vertices_prefetch_corners(const struct mp_vertices *v, const uint32_t number[3])
+{
+	for (int c = 0; c < 3; c++)
+		mp_vertices_prefetch(v, number[c]);
 }
 
 void mp_vertices_seal(struct mp_vertices *v)

@@ -32,8 +32,12 @@ uint32_t mp_vertices_count(const struct mp_vertices *);
 /* Coordinates of vertex ${number} < count. */
 void mp_vertices_get(const struct mp_vertices *, uint32_t number, double xyz[3]);
 
+/* The same of the three corners of a triangle. */
+void mp_vertices_corners(const struct mp_vertices *, const uint32_t number[3], double xyz[3][3]);
+
 /* A hint that get() of ${number} will follow soon, for walks in no order; changes nothing. */
 void mp_vertices_prefetch(const struct mp_vertices *, uint32_t number);
+void mp_vertices_prefetch_corners(const struct mp_vertices *, const uint32_t number[3]);
 
 /* Give back the hash index (the larger part); add() is illegal afterwards, get() stays legal. */
 void mp_vertices_seal(struct mp_vertices *);

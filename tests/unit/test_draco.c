@@ -77,6 +77,7 @@ static void reads_what_was_written(void **state)
 		for (size_t k = 0; k < 3; k++)
 			assert_int_equal(whole.index[t][k], tetra[t][k]);
 	assert_true(whole.notes.quantisation_step == 0);
+	assert_int_equal(whole.notes.rounding, MP_ROUNDING_FLOAT32);
 	assert_int_equal(whole.notes.trailing_bytes, 0);
 }
 

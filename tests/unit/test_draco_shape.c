@@ -164,12 +164,14 @@ static void a_step_is_passed_on_if_it_is_one(void **state)
 	draco_stub.shape.step = 0.25;
 	decode(roomy);
 	assert_true(seen.notes.quantisation_step == 0.25);
+	assert_int_equal(seen.notes.rounding, MP_ROUNDING_QUANTISED);
 	draco_stub.shape.step = -0.25;
 	decode(roomy);
 	assert_true(seen.notes.quantisation_step == 0);
 	draco_stub.shape.step = (double)INFINITY;
 	decode(roomy);
 	assert_true(seen.notes.quantisation_step == 0);
+	assert_int_equal(seen.notes.rounding, MP_ROUNDING_UNKNOWN);
 }
 
 static void libdracos_troubles_become_errors(void **state)

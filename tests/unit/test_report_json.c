@@ -215,7 +215,7 @@ static const char contract_box[] =
     "\"error_bounds\":{\"volume\":0,\"surface_area\":1e-12,\"mass\":1e-17,"
     "\"centroid\":1e-15,\"inertia\":1e-14,\"inertia_about_origin\":1e-14,"
     "\"principal_moments\":1e-14,\"principal_axes_rad\":1e-15,\"radii_of_gyration\":1e-15,"
-    "\"quadrature_estimate\":null},"
+    "\"quadrature_estimate\":null},\"input_uncertainty\":null,"
     "\"bodies\":[{\"triangles\":12,\"volume\":24000,\"signed_volume\":24000,"
     "\"surface_area\":5200,\"mass\":0.0648,\"centroid\":[20,15,10],"
     "\"inertia_about_centroid\":[[7.02,0,0],[0,10.8,0],[0,0,13.5]],"
