@@ -139,6 +139,10 @@ static void add_checks(struct doc *d, cJSON *root)
 	api_json_count(j, c, "misoriented_edges", t->misoriented_edges);
 	api_json_count(j, c, "degenerate_triangles", t->degenerate_triangles);
 	api_json_count(j, c, "duplicate_triangles", t->duplicate_triangles);
+	api_json_count(j, c, "duplicates_same", t->duplicate_triangles - t->opposite_duplicates);
+	api_json_count(j, c, "duplicates_opposite", t->opposite_duplicates);
+	api_json_count(j, c, "double_walls", t->double_walls);
+	api_json_count(j, c, "single_walls", t->single_walls);
 	api_json_count(j, c, "normals_disagreeing", d->r->notes.normals_disagreeing);
 	if (d->r->overlapping == MP_NO)
 		api_json_count(j, c, "overlapping_bodies", 0);
@@ -233,7 +237,8 @@ static void add_properties(struct doc *d, cJSON *root)
 	api_json_vector(&d->j, p, "centroid", m->centroid_defined, m->centroid, 3);
 	add_inertia(d, p);
 	add_principal(d, p);
-	api_json_null(&d->j, p, "volume_if_capped");
+	api_json_value(&d->j, p, "volume_if_capped", r->capped.volume_defined, r->capped.volume);
+	api_json_value(&d->j, p, "cap_area", r->capped.area_defined, r->capped.area);
 	api_json_null(&d->j, p, "volume_if_oriented");
 }
 

@@ -90,9 +90,77 @@ void api_bodies_text(const struct mp_report *r, struct api_text *out)
 	api_text_say(out, "]");
 }
 
-static void defect(struct api_text *t, const struct mp_report *r, const struct mp_defect_list *d,
+static void vertex(struct api_text *t, const struct mp_report *r, uint32_t v)
+{
+	double xyz[3];
+
+	mp_vertices_get(r->vertices, v, xyz);
+	api_text_vector(t, xyz, 3);
+}
+
+static void truth(struct api_text *t, const char *name, bool is)
+{
+	member(t, name);
+	api_text_bool(t, is);
+}
+
+static void junctions(struct api_text *t, const struct mp_report *r, const struct mp_loop *l)
+{
+	member(t, "t_junctions");
+	api_text_say(t, "[");
+	for (size_t i = 0; i < l->junctions; i++) {
+		const struct mp_junction *j = &r->topology.junction[l->junction_at + i];
+
+		api_text_say(t, i > 0 ? ",{\"vertex\":" : "{\"vertex\":");
+		vertex(t, r, j->vertex);
+		member(t, "edge");
+		api_text_say(t, "[");
+		vertex(t, r, j->ends[0]);
+		api_text_say(t, ",");
+		vertex(t, r, j->ends[1]);
+		api_text_say(t, "]}");
+	}
+	api_text_say(t, "]");
+}
+
+static void loop(struct api_text *t, const struct mp_report *r, const struct mp_loop *l)
+{
+	member(t, "edge_count");
+	api_text_count(t, l->edges);
+	member(t, "vertex_count");
+	api_text_count(t, l->vertices);
+	truth(t, "simple", l->simple);
+	value(t, "length", l->length_defined, l->length);
+	value(t, "area", l->area_defined, l->area);
+	truth(t, "planar", l->planar);
+	value(t, "plane_deviation", l->plane_defined, l->plane_deviation);
+	truth(t, "crack", l->crack);
+	junctions(t, r, l);
+	member(t, "bounding_box");
+	api_text_say(t, "{\"min\":");
+	api_text_vector(t, l->min, 3);
+	member(t, "max");
+	api_text_vector(t, l->max, 3);
+	api_text_say(t, "}");
+}
+
+/* What the entries of some kinds have beside triangles and vertices. */
+static void extras(struct api_text *t, const struct mp_report *r, enum mp_defect_kind kind,
+		   const struct mp_defect_list *d, size_t i)
+{
+	const uint32_t *pair = d->triangles + d->triangle_at[i];
+
+	if (kind == MP_DEFECT_BOUNDARY_LOOP)
+		loop(t, r, &r->topology.loop[i]);
+	if (kind == MP_DEFECT_DUPLICATE_TRIANGLE)
+		truth(t, "opposite", !mp_same_winding(r->tri[pair[0]], r->tri[pair[1]]));
+}
+
+static void defect(struct api_text *t, const struct mp_report *r, enum mp_defect_kind kind,
 		   size_t i)
 {
+	const struct mp_defect_list *d = &r->topology.defect[kind];
+
 	api_text_say(t, "{\"triangles\":[");
 	for (size_t k = d->triangle_at[i]; k < d->triangle_at[i + 1]; k++) {
 		if (k > d->triangle_at[i])
@@ -101,14 +169,13 @@ static void defect(struct api_text *t, const struct mp_report *r, const struct m
 	}
 	api_text_say(t, "],\"vertices\":[");
 	for (size_t k = d->vertex_at[i]; k < d->vertex_at[i + 1]; k++) {
-		double xyz[3];
-
 		if (k > d->vertex_at[i])
 			api_text_put(t, ",", 1);
-		mp_vertices_get(r->vertices, d->vertices[k], xyz);
-		api_text_vector(t, xyz, 3);
+		vertex(t, r, d->vertices[k]);
 	}
-	api_text_say(t, "]}");
+	api_text_say(t, "]");
+	extras(t, r, kind, d, i);
+	api_text_say(t, "}");
 }
 
 bool api_defects_text(const struct mp_report *r, enum mp_defect_kind kind, size_t most,
@@ -121,7 +188,7 @@ bool api_defects_text(const struct mp_report *r, enum mp_defect_kind kind, size_
 	for (; i < d->count && out->len < most && !out->failed; i++) {
 		if (i > 0)
 			api_text_say(out, ",");
-		defect(out, r, d, i);
+		defect(out, r, kind, i);
 	}
 	api_text_say(out, "]");
 	return i == d->count;

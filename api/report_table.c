@@ -175,6 +175,8 @@ static void put_defects(struct table *t)
 	    {"misoriented edges", "checks.misoriented_edges"},
 	    {"degenerate", "checks.degenerate_triangles"},
 	    {"duplicate", "checks.duplicate_triangles"},
+	    {"double walls", "checks.double_walls"},
+	    {"single walls", "checks.single_walls"},
 	    {"normals disagreeing", "checks.normals_disagreeing"},
 	};
 

@@ -7,14 +7,17 @@ static const struct api_warning rows[WARNINGS] = {
 	{"open_mesh",
 	 "The surface has holes, so it encloses no volume: volume, mass, centroid and "
 	 "inertia are not given. Close the holes (checks and defects say where they are) "
-	 "and send the file again."},
+	 "and send the file again. volume_if_capped, where it is given, is the volume with "
+	 "the holes closed by flat fans: exact for flat holes, else an estimate, and the "
+	 "rougher the larger cap_area is beside surface_area."},
     [MP_WARN_CRACKS] =
 	{"cracks", "The surface is open only along cracks of no width, where an edge meets a "
 		   "vertex in its middle. Volume, mass, centroid and inertia are not affected."},
     [MP_WARN_WINDING] =
 	{"inconsistent_winding",
-	 "Some neighbouring triangles face opposite ways, so inside and outside cannot "
-	 "be told apart: volume, mass, centroid and inertia are not given. Make all "
+	 "Some neighbouring triangles face opposite ways, or some occur more than once, so inside "
+	 "and outside cannot be told apart: volume, mass, centroid and inertia are not given. Make "
+	 "all "
 	 "normals point outward and send the file again."},
     [MP_WARN_NON_MANIFOLD] =
 	{"non_manifold_edges",
@@ -96,6 +99,13 @@ static const struct api_warning rows[WARNINGS] = {
 	{"weld_undecided",
 	 "There are so many places at nearly the weld distance from each other that not all were "
 	 "compared: some that are nearer may be apart still. Choose a smaller or a larger weld."},
+    [MP_WARN_INTERNAL_WALLS] =
+	{"internal_walls",
+	 "Walls of no thickness divide the inside or span an opening. A double wall (each "
+	 "triangle there twice, once each way round) cancels: the volume is right, the surface "
+	 "area counts both sides. A single wall leaves edges with an odd number of triangles: the "
+	 "mesh is not closed, and volume, mass, centroid and inertia are not given until it is "
+	 "removed."},
     [UNIT_ASSUMED] =
 	{"unit_assumed",
 	 "No unit was given and the file does not say one, so its numbers were taken as "

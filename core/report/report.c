@@ -11,6 +11,7 @@
 #include "core/moments/bounds.h"
 #include "core/moments/mass.h"
 #include "core/repair/repair.h"
+#include "core/report/capped.h"
 #include "core/report/report_parts.h"
 
 /* The mesh changes owner: from here on the report has it, whatever happens. */
@@ -112,7 +113,9 @@ static void warn(struct mp_report *r)
 
 	mp_warn(r, MP_WARN_OPEN, undefined && t->boundary_edges > 0);
 	mp_warn(r, MP_WARN_WINDING,
-		undefined && (t->boundary_edges == 0 || t->misoriented_edges > 0));
+		undefined &&
+		    (t->misoriented_edges > 0 || (t->boundary_edges == 0 && t->single_walls == 0)));
+	mp_warn(r, MP_WARN_INTERNAL_WALLS, t->double_walls + t->single_walls > 0);
 	mp_warn(r, MP_WARN_CRACKS, !t->closed && t->cracks_only);
 	mp_warn(r, MP_WARN_NON_MANIFOLD, t->non_manifold_edges > 0);
 	mp_warn(r, MP_WARN_NON_MANIFOLD_VERTEX, t->non_manifold_vertices > 0);
@@ -201,6 +204,7 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	    mp_named_bodies(named, &mesh, &r->topology, err) ||
 	    mp_bodies_measure(&mesh, &r->topology, request->bodies, &a->moments, named, &whole,
 			      bodies, err) ||
+	    mp_capped_find(&mesh, &r->topology, &a->moments, &r->capped, err) ||
 	    mp_named_solve(named, &mesh, a->request.key, err) ||
 	    mp_bodies_nest(&mesh, &r->topology, bodies, err))
 		return -1;

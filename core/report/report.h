@@ -49,6 +49,7 @@ enum mp_warning {
 	MP_WARN_TANGLED,             /* polygons that cross themselves: the area is off */
 	MP_WARN_NUL_BYTES,           /* text that ends with NUL characters */
 	MP_WARN_WELD_UNDECIDED,      /* some vertices nearer than weld may be apart still */
+	MP_WARN_INTERNAL_WALLS,      /* walls of no thickness, double or single */
 	MP_WARNINGS
 };
 
@@ -112,6 +113,12 @@ struct mp_bounds {
 	double axes;
 };
 
+/* An open mesh with its holes closed by fans, see core/report/capped.h. */
+struct mp_capped {
+	double volume, area; /* >= 0, as though outward [L^3]; the area of the fans alone [L^2] */
+	bool volume_defined, area_defined;
+};
+
 struct mp_report {
 	struct mp_notes notes;
 	struct mp_vertices *vertices; /* coordinates for the defects below */
@@ -124,7 +131,8 @@ struct mp_report {
 	enum mp_orientation orientation;
 	enum mp_truth solid;
 	enum mp_truth overlapping; /* MP_NO: none overlap; MP_UNDECIDED */
-	double closure_defect[3];  /* the mesh's vector area, sum of n/2 [L^2]; 0 if closed */
+	struct mp_capped capped;
+	double closure_defect[3]; /* the mesh's vector area, sum of n/2 [L^2]; 0 if closed */
 
 	struct mp_mass total; /* total.volume is signed, total.mass is not */
 	double surface_centroid[3];

@@ -64,8 +64,10 @@ static void count_edge(struct mp_topology *out, struct mp_body_topology *b, size
 		b->misoriented_edges++;
 		out->misoriented_edges++;
 	}
-	if (2 * back != n)
+	if (2 * back != n) {
 		out->closed = b->closed = false;
+		out->unbalanced_edges += n > 1;
+	}
 }
 
 static void count_edges(const struct mp_edges *e, struct mp_topology *out)

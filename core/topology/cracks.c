@@ -60,11 +60,8 @@ static unsigned leading_axis(const double m[3], const double p[3], int *side)
 	return k;
 }
 
-/*
- * A total order of the lines through ${m}, of which ${p} and ${q} are other points: by the leading
- * axis of the direction, then by its slopes against that axis.
- */
-static int compare_lines(const double m[3], const double p[3], const double q[3])
+/* By the leading axis of the direction, then by its slopes against that axis. */
+int mp_compare_lines(const double m[3], const double p[3], const double q[3])
 {
 	int s, t;
 	unsigned a = leading_axis(m, p, &s), b = leading_axis(m, q, &t);
@@ -89,7 +86,7 @@ static int compare(const struct chain *c, uint32_t v, uint32_t x, uint32_t y, bo
 	mp_vertices_get(c->mesh->vertices, v, m);
 	mp_vertices_get(c->mesh->vertices, other_end(c, x, v), p);
 	mp_vertices_get(c->mesh->vertices, other_end(c, y, v), q);
-	order = compare_lines(m, p, q);
+	order = mp_compare_lines(m, p, q);
 	if (order != 0 || lines_only)
 		return order;
 	return (body(c, x) > body(c, y)) - (body(c, x) < body(c, y));
@@ -125,7 +122,7 @@ static void sort_ends(const struct chain *c, uint32_t v, uint32_t *a, size_t n)
 }
 
 /* The sums at vertex ${v}, for each line and for each body on each line. */
-static void judge(const struct chain *c, uint32_t v, struct mp_topology *out)
+static void judge(const struct chain *c, uint32_t v, uint64_t *gap, struct mp_topology *out)
 {
 	uint32_t *a = c->end + c->row[v];
 	size_t n = c->row[v + 1] - c->row[v];
@@ -147,8 +144,10 @@ static void judge(const struct chain *c, uint32_t v, struct mp_topology *out)
 		part = 0;
 		if (same_line)
 			continue;
-		if (line != 0)
+		if (line != 0) {
 			out->cracks_only = false;
+			gap[v / 64] |= (uint64_t)1 << (v % 64);
+		}
 		line = 0;
 	}
 }
@@ -186,7 +185,7 @@ static int build(struct chain *c)
 	return 0;
 }
 
-int mp_cracks_find(const struct mp_mesh *mesh, const struct mp_edges *edges,
+int mp_cracks_find(const struct mp_mesh *mesh, const struct mp_edges *edges, uint64_t *gap,
 		   struct mp_topology *out)
 {
 	struct chain c = {.mesh = mesh, .edges = edges, .body_of = out->body_of};
@@ -196,7 +195,7 @@ int mp_cracks_find(const struct mp_mesh *mesh, const struct mp_edges *edges,
 	for (uint32_t b = 0; b < out->bodies; b++)
 		out->body[b].cracks_only = !out->body[b].closed;
 	for (uint32_t v = 0; !failed && v < mp_vertices_count(mesh->vertices); v++)
-		judge(&c, v, out);
+		judge(&c, v, gap, out);
 	free(c.end);
 	free(c.row);
 	return failed;

@@ -1,61 +1,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/topology/disjoint.h"
-#include "core/topology/topology_parts.h"
+#include "core/topology/loop_list.h"
 
-#define NONE UINT32_MAX
+#define NONE MP_NO_LOOP
 
-struct loop {
-	uint32_t first;     /* its smallest half-edge */
-	uint32_t triangles; /* how many have an edge on it */
-	uint32_t vertices;
-	bool circle; /* every vertex has two of its edges */
-};
-
-struct lister {
-	const struct mp_mesh *mesh;
-	const uint64_t *bit;
-	size_t halves;
-	uint32_t *parent;
-	uint32_t *item; /* of the set's root: number of its loop, NONE where it is not listed */
-	uint32_t
-	    *link; /* all boundary half-edges at the vertex xored: two of them give the other */
-	uint8_t *degree; /* of them at the vertex, 3 for more; 0 = listed or none */
-	struct loop *loop;
-	size_t items;
-};
-
-#define FOR_BOUNDARY(s, h)                                                      \
-	for (size_t h = mp_bit_next((s)->bit, (s)->halves, 0); h < (s)->halves; \
-	     h = mp_bit_next((s)->bit, (s)->halves, h + 1))
-
-static uint32_t tail(const struct lister *s, size_t half)
+static struct mp_loop_place *loop_of(const struct mp_loop_lister *s, uint32_t v)
 {
-	return mp_corner_vertex(s->mesh, (uint32_t)half);
-}
-
-static uint32_t head(const struct lister *s, size_t half)
-{
-	return mp_corner_vertex(s->mesh, mp_half_next((uint32_t)half));
-}
-
-/* The loop of a boundary vertex, NULL where it is not listed. */
-static struct loop *loop_of(const struct lister *s, uint32_t v)
-{
-	uint32_t i = s->item[mp_set_find(s->parent, v)];
+	uint32_t i = mp_loop_number(s, v);
 
 	return i == NONE ? NULL : &s->loop[i];
 }
 
 /* File order: a loop's first half-edge is the first one met. */
-static void number(struct lister *s)
+static void number(struct mp_loop_lister *s)
 {
 	size_t n = 0;
 
-	FOR_BOUNDARY(s, h)
+	MP_FOR_BOUNDARY(s, h)
 	{
-		uint32_t root = mp_set_find(s->parent, tail(s, h));
+		uint32_t root = mp_set_find(s->parent, mp_loop_tail(s, h));
 
 		if (s->item[root] != NONE)
 			continue;
@@ -67,30 +31,30 @@ static void number(struct lister *s)
 	}
 }
 
-static void meet(struct lister *s, uint32_t v, uint32_t half)
+static void meet(struct mp_loop_lister *s, uint32_t v, uint32_t half)
 {
 	s->link[v] ^= half;
 	if (s->degree[v] < 3)
 		s->degree[v]++;
 }
 
-static void measure(struct lister *s)
+static void measure(struct mp_loop_lister *s)
 {
 	uint32_t last = NONE;
 
-	FOR_BOUNDARY(s, h)
+	MP_FOR_BOUNDARY(s, h)
 	{
-		struct loop *l = loop_of(s, tail(s, h));
+		struct mp_loop_place *l = loop_of(s, mp_loop_tail(s, h));
 
-		meet(s, tail(s, h), (uint32_t)h);
-		meet(s, head(s, h), (uint32_t)h);
+		meet(s, mp_loop_tail(s, h), (uint32_t)h);
+		meet(s, mp_loop_head(s, h), (uint32_t)h);
 		/* All boundary edges of a triangle are on one loop and come together. */
 		if (l != NULL && (uint32_t)h / 3 != last)
 			l->triangles++;
 		last = (uint32_t)h / 3;
 	}
 	for (uint32_t v = 0; v < mp_vertices_count(s->mesh->vertices); v++) {
-		struct loop *l = s->degree[v] > 0 ? loop_of(s, v) : NULL;
+		struct mp_loop_place *l = s->degree[v] > 0 ? loop_of(s, v) : NULL;
 
 		if (l == NULL)
 			continue;
@@ -106,7 +70,7 @@ static size_t cut(size_t n, size_t most, bool *truncated)
 }
 
 /* Memory for all, and where each loop's items begin; the lists' cursors are the next begins. */
-static int begin(struct lister *s, struct mp_defect_list *l, bool *truncated)
+static int begin(struct mp_loop_lister *s, struct mp_defect_list *l, bool *truncated)
 {
 	size_t triangles = 0, vertices = 0;
 
@@ -118,7 +82,7 @@ static int begin(struct lister *s, struct mp_defect_list *l, bool *truncated)
 		return -1;
 	l->count = s->items;
 	for (size_t i = 0; i < s->items; i++) {
-		struct loop *o = &s->loop[i];
+		struct mp_loop_place *o = &s->loop[i];
 
 		o->triangles = (uint32_t)cut(o->triangles, MP_DEFECT_TRIANGLES, truncated);
 		o->vertices = (uint32_t)cut(o->vertices, MP_DEFECT_VERTICES, truncated);
@@ -128,19 +92,20 @@ static int begin(struct lister *s, struct mp_defect_list *l, bool *truncated)
 	return 0;
 }
 
-static void walk(const struct lister *s, const struct loop *o, uint32_t *out)
+static void walk(const struct mp_loop_lister *s, const struct mp_loop_place *o, uint32_t *out)
 {
-	uint32_t half = o->first, v = tail(s, half);
+	uint32_t half = o->first, v = mp_loop_tail(s, half);
 
 	for (uint32_t n = 0; n < o->vertices; n++) {
 		out[n] = v;
-		v = tail(s, half) == v ? head(s, half) : tail(s, half);
+		v = mp_loop_tail(s, half) == v ? mp_loop_head(s, half) : mp_loop_tail(s, half);
 		half ^= s->link[v];
 	}
 }
 
 /* List ${v} unless it is already, or its loop is a circle, or full. */
-static void list_vertex(struct lister *s, struct mp_defect_list *l, struct loop *o, uint32_t v)
+static void list_vertex(struct mp_loop_lister *s, struct mp_defect_list *l, struct mp_loop_place *o,
+			uint32_t v)
 {
 	if (s->degree[v] == 0 || o->circle || o->vertices == 0)
 		return;
@@ -148,22 +113,22 @@ static void list_vertex(struct lister *s, struct mp_defect_list *l, struct loop 
 	l->vertices[l->vertex_at[(size_t)(o - s->loop) + 1] - o->vertices--] = v;
 }
 
-static void fill(struct lister *s, struct mp_defect_list *l)
+static void fill(struct mp_loop_lister *s, struct mp_defect_list *l)
 {
 	uint32_t last = NONE;
 
 	for (size_t i = 0; i < s->items; i++)
 		if (s->loop[i].circle)
 			walk(s, &s->loop[i], l->vertices + l->vertex_at[i]);
-	FOR_BOUNDARY(s, h)
+	MP_FOR_BOUNDARY(s, h)
 	{
 		uint32_t t = (uint32_t)h / 3;
-		struct loop *o = loop_of(s, tail(s, h));
+		struct mp_loop_place *o = loop_of(s, mp_loop_tail(s, h));
 
 		if (o == NULL)
 			continue;
-		list_vertex(s, l, o, tail(s, h));
-		list_vertex(s, l, o, head(s, h));
+		list_vertex(s, l, o, mp_loop_tail(s, h));
+		list_vertex(s, l, o, mp_loop_head(s, h));
 		if (t != last && o->triangles > 0)
 			l->triangles[l->triangle_at[(size_t)(o - s->loop) + 1] - o->triangles--] =
 			    t;
@@ -171,12 +136,13 @@ static void fill(struct lister *s, struct mp_defect_list *l)
 	}
 }
 
-int mp_loops_list(const struct mp_mesh *mesh, const uint64_t *bit, uint32_t *parent, size_t items,
-		  struct mp_topology *out)
+int mp_loops_list(const struct mp_mesh *mesh, const uint64_t *bit, const uint64_t *gap,
+		  uint32_t *parent, size_t items, struct mp_topology *out)
 {
 	struct mp_defect_list *l = &out->defect[MP_DEFECT_BOUNDARY_LOOP];
 	size_t vertices = mp_vertices_count(mesh->vertices);
-	struct lister s = {.mesh = mesh, .bit = bit, .parent = parent, .items = items};
+	struct mp_loop_lister s = {
+	    .mesh = mesh, .bit = bit, .gap = gap, .parent = parent, .items = items};
 	int failed = -1;
 
 	if (items == 0)
@@ -190,7 +156,8 @@ int mp_loops_list(const struct mp_mesh *mesh, const uint64_t *bit, uint32_t *par
 		memset(s.item, 0xff, vertices * sizeof *s.item);
 		number(&s);
 		measure(&s);
-		failed = begin(&s, l, &out->truncated);
+		failed = mp_loops_measure(&s, out) || mp_junctions_find(&s, out) ||
+			 begin(&s, l, &out->truncated);
 	}
 	if (!failed)
 		fill(&s, l);
@@ -198,5 +165,5 @@ int mp_loops_list(const struct mp_mesh *mesh, const uint64_t *bit, uint32_t *par
 	free(s.degree);
 	free(s.link);
 	free(s.item);
-	return failed;
+	return failed ? -1 : 0;
 }

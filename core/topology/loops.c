@@ -56,7 +56,7 @@ static unsigned enter(uint32_t *parent, uint32_t v)
 }
 
 /* Connected components: vertices less merges. */
-static uint64_t count_loops(const struct mp_mesh *mesh, const uint64_t *bit, uint32_t *parent)
+uint64_t mp_loops_join(const struct mp_mesh *mesh, const uint64_t *bit, uint32_t *parent)
 {
 	size_t n = 3 * (size_t)mesh->triangles;
 	uint64_t loops = 0;
@@ -75,10 +75,9 @@ static uint64_t count_loops(const struct mp_mesh *mesh, const uint64_t *bit, uin
 }
 
 int mp_loops_find(const struct mp_mesh *mesh, const struct mp_edges *e, uint32_t most,
-		  struct mp_topology *out)
+		  const uint64_t *gap, struct mp_topology *out)
 {
 	uint64_t edges = out->boundary_edges < most ? out->boundary_edges : most;
-	uint64_t *bit = NULL;
 	uint32_t *parent = NULL;
 	int failed = -1;
 
@@ -87,16 +86,15 @@ int mp_loops_find(const struct mp_mesh *mesh, const struct mp_edges *e, uint32_t
 			       mp_defects_begin(&out->defect[MP_DEFECT_BOUNDARY_LOOP], 0, 0, 0)
 			   ? -1
 			   : 0;
-	bit = boundary_bits(mesh, e);
+	out->boundary = boundary_bits(mesh, e);
 	parent = malloc(mp_vertices_count(mesh->vertices) * sizeof *parent);
-	if (bit != NULL && parent != NULL) {
-		out->boundary_loops = count_loops(mesh, bit, parent);
+	if (out->boundary != NULL && parent != NULL) {
+		out->boundary_loops = mp_loops_join(mesh, out->boundary, parent);
 		failed =
-		    list_edges(mesh, bit, edges, &out->defect[MP_DEFECT_BOUNDARY_EDGE]) ||
-		    mp_loops_list(mesh, bit, parent,
+		    list_edges(mesh, out->boundary, edges, &out->defect[MP_DEFECT_BOUNDARY_EDGE]) ||
+		    mp_loops_list(mesh, out->boundary, gap, parent,
 				  out->boundary_loops < most ? out->boundary_loops : most, out);
 	}
 	free(parent);
-	free(bit);
 	return failed ? -1 : 0;
 }

@@ -28,6 +28,33 @@ static uint64_t found(const struct mp_topology *t, enum mp_defect_kind kind)
 	return 0;
 }
 
+static int find_repeated(const struct mp_mesh *mesh, const struct mp_edges *edges, uint32_t most,
+			 struct mp_topology *out)
+{
+	struct mp_repeats repeats = {NULL, NULL};
+	int failed = mp_duplicates_find(mesh, edges, most, &repeats, out) ||
+		     mp_walls_find(mesh, edges, &repeats, out);
+
+	free(repeats.paired);
+	free(repeats.spare);
+	return failed;
+}
+
+static int find_boundary(const struct mp_mesh *mesh, const struct mp_edges *edges, uint32_t most,
+			 struct mp_topology *out)
+{
+	uint64_t *gap = NULL;
+	int failed = 0;
+
+	if (!out->closed) {
+		gap = calloc((size_t)mp_vertices_count(mesh->vertices) / 64 + 1, sizeof *gap);
+		failed = gap == NULL || mp_cracks_find(mesh, edges, gap, out);
+	}
+	failed = failed || mp_loops_find(mesh, edges, most, gap, out);
+	free(gap);
+	return failed;
+}
+
 /* Everything but degenerate triangles, whatever the mesh is like. */
 static int find_all(const struct mp_mesh *mesh, uint32_t most, struct mp_topology *out)
 {
@@ -37,10 +64,9 @@ static int find_all(const struct mp_mesh *mesh, uint32_t most, struct mp_topolog
 	if (mp_edges_build(mesh, &edges, NULL))
 		return -1;
 	failed = mp_bodies_find(mesh, &edges, out) || mp_fans_find(mesh, &edges, most, out) ||
-		 mp_duplicates_find(mesh, &edges, most, out) ||
+		 find_repeated(mesh, &edges, most, out) ||
 		 mp_bad_edges_list(mesh, &edges, most, out) ||
-		 mp_loops_find(mesh, &edges, most, out) ||
-		 (!out->closed && mp_cracks_find(mesh, &edges, out));
+		 find_boundary(mesh, &edges, most, out);
 	mp_edges_free(&edges);
 	return failed ? -1 : 0;
 }
@@ -75,6 +101,9 @@ void mp_topology_free(struct mp_topology *t)
 {
 	for (int k = 0; k < MP_DEFECT_KINDS; k++)
 		mp_defects_free(&t->defect[k]);
+	free(t->loop);
+	free(t->junction);
+	free(t->boundary);
 	free(t->body);
 	free(t->body_of);
 	memset(t, 0, sizeof *t);

@@ -53,6 +53,13 @@ enum mp_defect_kind {
 
 enum { MP_DEFECT_TRIANGLES = 64, MP_DEFECT_VERTICES = 1024 }; /* most listed for one defect */
 
+/* Are two triangles with the same three corners wound the same way? */
+static inline bool mp_same_winding(const uint32_t a[3], const uint32_t b[3])
+{
+	return (a[0] == b[0] && a[1] == b[1]) || (a[0] == b[1] && a[1] == b[2]) ||
+	       (a[0] == b[2] && a[1] == b[0]);
+}
+
 struct mp_body_topology {
 	uint32_t first;     /* its smallest triangle number */
 	uint32_t triangles; /* how many */
@@ -62,18 +69,56 @@ struct mp_body_topology {
 	bool watertight;  /* every edge is used exactly twice */
 };
 
+/*
+ * What a listed boundary loop is, measured over all of it, however few of its vertices are listed.
+ * A length or area that no double holds is not defined, and 0.
+ */
+struct mp_loop {
+	uint64_t edges, vertices;
+	double min[3], max[3]; /* its box [L]; no -0 */
+	double length;         /* of all its edges [L] */
+	/*
+	 * Of the fan that closes it, as a vector: |sum p x q|/2 over its edges p to q [L^2].  For a
+	 * planar loop what it encloses.  Not defined where it neither is a circle nor runs
+	 * through each of its vertices as often inward as outward.
+	 */
+	double area;
+	/*
+	 * The largest distance of its vertices from the plane through their mean at right angles to
+	 * the vector area [L].  Not defined without a plane: area 0 or not defined.
+	 */
+	double plane_deviation;
+	bool length_defined, area_defined, plane_defined;
+	bool simple; /* one circle: two of its edges at each of its vertices */
+	bool planar; /* a crack, or plane_deviation <= 2^-23 times the largest |coordinate| */
+	bool crack;  /* its edges cancel on every line: no gap between them, area 0 */
+	size_t junction_at, junctions; /* junction[junction_at .. + junctions) */
+};
+
+/* ${vertex} lies between the ends of a boundary edge of its own loop, on it. */
+struct mp_junction {
+	uint32_t vertex, ends[2];
+};
+
 /* Definitions: the signed and unsigned use counts of edges, see the README's table of checks. */
 struct mp_topology {
 	uint64_t vertices;     /* distinct vertices that a triangle with edges uses */
 	uint64_t edges, faces; /* faces: triangles with three different corners */
 	int64_t euler;         /* vertices - edges + faces */
 	uint64_t boundary_edges, boundary_loops, non_manifold_edges, misoriented_edges;
+	uint64_t unbalanced_edges; /* used more than once, and not equally often both ways */
 	uint64_t non_manifold_vertices, degenerate_triangles, duplicate_triangles;
+	uint64_t
+	    opposite_duplicates; /* pairs of them that cancel: of p one way, q other, min(p, q) */
+	uint64_t double_walls, single_walls; /* walls.c */
 	bool closed, cracks_only, watertight, winding_consistent;
 	uint32_t bodies;
 	struct mp_body_topology *body; /* ${bodies} of them, by smallest triangle number */
 	uint32_t *body_of;             /* per triangle; MP_NO_BODY where it has no edges */
 	struct mp_defect_list defect[MP_DEFECT_KINDS]; /* each kind by smallest triangle number */
+	struct mp_loop *loop;         /* as many as defect[MP_DEFECT_BOUNDARY_LOOP] lists */
+	struct mp_junction *junction; /* by loop; MP_DEFECT_TRIANGLES of a loop at most */
+	uint64_t *boundary;           /* bit per half-edge (edges.h): used once; NULL for none */
 	bool truncated; /* some defect is not listed, or not all of its triangles or vertices */
 };
 

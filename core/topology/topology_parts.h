@@ -27,25 +27,59 @@ int mp_bodies_find(const struct mp_mesh *, const struct mp_edges *, struct mp_to
 int mp_fans_find(const struct mp_mesh *, const struct mp_edges *, uint32_t most,
 		 struct mp_topology *out);
 
-/* duplicates.c */
+/*
+ * Of the triangles that have others on the same corners: a bit for each that has an opposite one,
+ * and for each that is not needed when they count once, or where as many go each way not at all.
+ * Both NULL: none has.
+ */
+struct mp_repeats {
+	uint64_t *paired, *spare;
+};
+
+/* duplicates.c; ${repeats} is for the caller to free, after a failure too. */
 int mp_duplicates_find(const struct mp_mesh *, const struct mp_edges *, uint32_t most,
-		       struct mp_topology *out);
+		       struct mp_repeats *repeats, struct mp_topology *out);
+
+/*
+ * walls.c: what divides the inside.  double_walls: connected groups of paired triangles that hang
+ * on other triangles and have no free edge (an edge of one pair alone).  single_walls: connected
+ * groups of edges that are used 3, 5, ... times where no sheet that meets there has a boundary
+ * edge; a sheet is what hangs together across edges used twice.  There spare triangles are left
+ * out.
+ */
+int mp_walls_find(const struct mp_mesh *, const struct mp_edges *, const struct mp_repeats *,
+		  struct mp_topology *out);
 
 /* bad_edges.c: lists of non-manifold and misoriented edges, which mp_bodies_find() counted. */
 int mp_bad_edges_list(const struct mp_mesh *, const struct mp_edges *, uint32_t most,
 		      struct mp_topology *out);
 
-/* loops.c: boundary edges and loops; cracks.c: cracks_only of the mesh and of each body. */
+/*
+ * cracks.c: cracks_only of the mesh and of each body.  ${gap}: bits, set for the vertices at which
+ * the boundary does not cancel.
+ */
+int mp_cracks_find(const struct mp_mesh *, const struct mp_edges *, uint64_t *gap,
+		   struct mp_topology *out);
+
+/* A total order of the lines through ${m}, of which ${p} and ${q} are other points; exact. */
+int mp_compare_lines(const double m[3], const double p[3], const double q[3]);
+
+/* loops.c: boundary edges and loops; ${gap} from cracks.c. */
 int mp_loops_find(const struct mp_mesh *, const struct mp_edges *, uint32_t most,
-		  struct mp_topology *out);
-int mp_cracks_find(const struct mp_mesh *, const struct mp_edges *, struct mp_topology *out);
+		  const uint64_t *gap, struct mp_topology *out);
+
+/*
+ * Disjoint sets ${parent} of the vertices on the boundary half-edges ${bit}: one a loop,
+ * UINT32_MAX for other vertices.  Returns how many loops there are.
+ */
+uint64_t mp_loops_join(const struct mp_mesh *, const uint64_t *bit, uint32_t *parent);
 
 /*
  * loop_list.c: place the ${items} loops of smallest half-edge.  ${bit}: the boundary half-edges;
- * ${parent}: disjoint sets of their vertices, UINT32_MAX for other vertices.
+ * ${parent}: as mp_loops_join() left it.
  */
-int mp_loops_list(const struct mp_mesh *, const uint64_t *bit, uint32_t *parent, size_t items,
-		  struct mp_topology *out);
+int mp_loops_list(const struct mp_mesh *, const uint64_t *bit, const uint64_t *gap,
+		  uint32_t *parent, size_t items, struct mp_topology *out);
 
 /* The first bit of ${bit}[0 .. n) at ${from} or above, n for none. */
 size_t mp_bit_next(const uint64_t *bit, size_t n, size_t from);

@@ -23,7 +23,9 @@ EXAMPLE = {
     "checks": {"closed": True, "watertight": True, "winding_consistent": True,
                "orientation": "outward", "solid": True, "boundary_edges": 0, "boundary_loops": 0,
                "non_manifold_edges": 0, "non_manifold_vertices": 0, "misoriented_edges": 0,
-               "degenerate_triangles": 0, "duplicate_triangles": 0, "normals_disagreeing": 0,
+               "degenerate_triangles": 0, "duplicate_triangles": 0, "duplicates_same": 0,
+               "duplicates_opposite": 0, "double_walls": 0, "single_walls": 0,
+               "normals_disagreeing": 0,
                "overlapping_bodies": 0, "self_intersections": None, "closure_defect": [0, 0, 0],
                "closes_at_tolerance": None, "by_index": None},
     "properties": {
@@ -36,7 +38,7 @@ EXAMPLE = {
                     "about_point": None, "about_axis": None},
         "principal": {"moments": [7.02, 10.8, 13.5], "axes": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
                       "quaternion_wxyz": [1, 0, 0, 0], "symmetry": "none"},
-        "volume_if_capped": None, "volume_if_oriented": None},
+        "volume_if_capped": None, "cap_area": None, "volume_if_oriented": None},
     "bodies": [BODY], "defects": {**NO_DEFECTS, "truncated": False},
     "repairs": {"flipped_triangles": 0, "welded_vertices": 0},
 }

@@ -1,0 +1,159 @@
+#include "core/report/capped.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/bodies/bodies.h"
+#include "core/decoder.h"
+#include "core/moments/solid.h"
+#include "core/topology/topology_parts.h"
+
+struct loop {
+	double sum[3];  /* of its vertices, about the first */
+	uint32_t first; /* vertex */
+	uint32_t vertices;
+};
+
+struct caps {
+	const struct mp_mesh *mesh;
+	const uint64_t *bit; /* boundary half-edges */
+	size_t halves;
+	uint32_t *loop_of; /* per vertex; UINT32_MAX for none */
+	struct loop *loop;
+	size_t loops;
+};
+
+/* The one place from which fans take coordinates. */
+static void place(const struct caps *c, uint32_t v, double xyz[3])
+{
+	mp_vertices_get(c->mesh->vertices, v, xyz);
+}
+
+/*
+ * From disjoint sets to numbers of loops, in place: a set's root is its smallest vertex, so it has
+ * its number before the others ask for it.
+ */
+static void sum_vertices(struct caps *c)
+{
+	uint32_t vertices = mp_vertices_count(c->mesh->vertices);
+
+	for (uint32_t v = 0; v < vertices; v++) {
+		double base[3], xyz[3];
+		struct loop *l;
+
+		if (c->loop_of[v] == UINT32_MAX)
+			continue;
+		if (c->loop_of[v] == v) {
+			c->loop[c->loops].first = v;
+			c->loop_of[v] = (uint32_t)c->loops++;
+		} else {
+			c->loop_of[v] = c->loop_of[c->loop_of[v]];
+		}
+		l = &c->loop[c->loop_of[v]];
+		place(c, l->first, base);
+		place(c, v, xyz);
+		for (int k = 0; k < 3; k++)
+			l->sum[k] += xyz[k] - base[k];
+		l->vertices++;
+	}
+}
+
+/* One triangle of a fan, against the boundary half-edge; false where its tip is out of range. */
+static bool cap(const struct caps *c, size_t half, double tri[9])
+{
+	uint32_t tail = mp_corner_vertex(c->mesh, (uint32_t)half);
+	uint32_t head = mp_corner_vertex(c->mesh, mp_half_next((uint32_t)half));
+	const struct loop *l = &c->loop[c->loop_of[tail]];
+
+	place(c, head, tri);
+	place(c, tail, tri + 3);
+	place(c, l->first, tri + 6);
+	for (int k = 6; k < 9; k++)
+		tri[k] += l->sum[k - 6] / l->vertices;
+	return isfinite(tri[6]) && isfinite(tri[7]) && isfinite(tri[8]);
+}
+
+static bool add_caps(const struct caps *c, struct mp_moments *m)
+{
+	double block[MP_BLOCK][9];
+	size_t fill = 0;
+
+	for (size_t h = mp_bit_next(c->bit, c->halves, 0); h < c->halves;) {
+		if (!cap(c, h, block[fill]))
+			return false;
+		h = mp_bit_next(c->bit, c->halves, h + 1);
+		if (++fill < MP_BLOCK && h < c->halves)
+			continue;
+		mp_moments_add(m, (const double(*)[9])block, fill);
+		fill = 0;
+	}
+	return true;
+}
+
+static bool put(long double x, double *out)
+{
+	bool fits = fabsl(x) <= DBL_MAX && (x == 0 || fabsl(x) >= DBL_MIN);
+
+	*out = fits ? (double)fabsl(x) : 0;
+	return fits;
+}
+
+static void find_volume(const struct caps *c, const struct mp_moments *sums, struct mp_capped *out)
+{
+	struct mp_moments first = *sums, second;
+	struct mp_solid solid;
+
+	if (!add_caps(c, &first))
+		return;
+	mp_moments_solve(&first, &solid);
+	if (solid.again) {
+		mp_moments_begin_again(&second, &first);
+		mp_solid_add(&second, c->mesh, NULL, c->mesh->triangles);
+		(void)add_caps(c, &second);
+		mp_moments_solve(&second, &solid);
+	}
+	out->volume_defined = solid.in_range && put(solid.volume, &out->volume);
+}
+
+static void find_area(const struct caps *c, struct mp_capped *out)
+{
+	struct mp_moments first, second;
+	struct mp_solid solid;
+
+	mp_moments_begin(&first);
+	if (!add_caps(c, &first))
+		return;
+	mp_moments_solve(&first, &solid);
+	if (solid.area_again) {
+		mp_moments_begin_again(&second, &first);
+		(void)add_caps(c, &second);
+		mp_moments_solve(&second, &solid);
+	}
+	out->area_defined = solid.area_in_range && put(solid.area, &out->area);
+}
+
+int mp_capped_find(const struct mp_mesh *mesh, const struct mp_topology *t,
+		   const struct mp_moments *sums, struct mp_capped *out, struct mp_error *err)
+{
+	struct caps c = {.mesh = mesh, .bit = t->boundary, .halves = 3 * (size_t)mesh->triangles};
+	int ret = 0;
+
+	memset(out, 0, sizeof *out);
+	if (mp_has_volume(t) || t->boundary_edges == 0 || t->unbalanced_edges > 0)
+		return 0;
+	c.loop_of = malloc(mp_vertices_count(mesh->vertices) * sizeof *c.loop_of);
+	c.loop = calloc(t->boundary_loops, sizeof *c.loop);
+	if (c.loop_of != NULL && c.loop != NULL) {
+		mp_loops_join(mesh, c.bit, c.loop_of);
+		sum_vertices(&c);
+		find_volume(&c, sums, out);
+		find_area(&c, out);
+	} else {
+		ret = mp_fail_nomem(err);
+	}
+	free(c.loop);
+	free(c.loop_of);
+	return ret;
+}
