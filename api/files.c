@@ -39,6 +39,7 @@ static enum api_code code_of(enum mp_code code)
 	case MP_NOMEM:
 		return API_TOO_EXPENSIVE;
 	case MP_BAD_NAME:
+	case MP_BAD_MAP:
 		return API_BAD_OPTION;
 	case MP_OK:
 	case MP_BUG:
@@ -198,6 +199,10 @@ int api_files_report(struct api_files *f, struct mp_report *out, struct api_prob
 		return 0;
 	if (err.code == MP_BAD_NAME)
 		return api_named_refuse(&f->options->named, f->analysis, &err, p);
+	if (err.code == MP_BAD_MAP) /* a singular one was refused when it came */
+		return api_problem_option(
+		    p, API_BAD_OPTION, "transform", strlen("transform"),
+		    "The transform takes the mesh beyond the range of a double.");
 	return refuse(f, &err, p);
 }
 

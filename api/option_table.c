@@ -4,6 +4,7 @@
 
 #include "api/named.h"
 #include "api/units.h"
+#include "core/affine/affine.h"
 
 enum { MOST_BODIES = 10000, MOST_DEFECTS = 100000, MOST_MATERIALS = 64 };
 
@@ -105,6 +106,27 @@ static int set_axis_origin(struct api_options *o, const struct api_value *v)
 	return api_value_numbers(v, o->axis_origin, 3);
 }
 
+static int set_transform(struct api_options *o, const struct api_value *v)
+{
+	double m[16];
+	size_t commas = 0;
+	struct mp_affine map;
+
+	for (size_t i = 0; i < v->len; i++)
+		commas += v->text[i] == ',';
+	if (commas != 11 && commas != 15)
+		return api_value_bad(v, "12 or 16 finite numbers with commas between them");
+	if (api_value_numbers(v, m, commas + 1))
+		return -1;
+	if (commas == 15 && (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1))
+		return api_value_bad(v, "an affine map, whose last row is 0,0,0,1");
+	memcpy(o->transform, m, sizeof o->transform);
+	if (!mp_affine_set(&map, (const double(*)[4])o->transform))
+		return api_value_bad(v, "an affine map that can be undone; its determinant is 0");
+	o->has_transform = true;
+	return 0;
+}
+
 static int set_flip(struct api_options *o, const struct api_value *v)
 {
 	return api_value_bool(v, &o->flip);
@@ -140,23 +162,6 @@ static int later_word(const struct api_value *v, const char *const *words, size_
 	if (api_value_choice(v, words, count, &which))
 		return -1;
 	return which == 0 ? 0 : not_yet(v);
-}
-
-static int set_transform(struct api_options *o, const struct api_value *v)
-{
-	double m[16];
-	size_t commas = 0;
-
-	(void)o;
-	for (size_t i = 0; i < v->len; i++)
-		commas += v->text[i] == ',';
-	if (commas != 11 && commas != 15)
-		return api_value_bad(v, "12 or 16 finite numbers with commas between them");
-	if (api_value_numbers(v, m, commas + 1))
-		return -1;
-	if (commas == 15 && (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1))
-		return api_value_bad(v, "an affine map, whose last row is 0,0,0,1");
-	return not_yet(v);
 }
 
 static int set_orient(struct api_options *o, const struct api_value *v)
@@ -223,7 +228,7 @@ const struct api_option_row api_option_rows[] = {
     {"about", set_about, false},
     {"axis", set_axis, false},
     {"axis_origin", set_axis_origin, false},
-    {"transform", set_transform, true},
+    {"transform", set_transform, false},
     {"flip", set_flip, false},
     {"orient", set_orient, true},
     {"weld", set_weld, false},

@@ -130,6 +130,8 @@ void api_options_request(const struct api_options *o, struct mp_request *out)
 		out->density_error = density.error;
 	}
 	api_named_request(o, out);
+	out->has_transform = o->has_transform;
+	memcpy(out->transform, o->transform, sizeof out->transform);
 	out->has_about = o->has_about;
 	out->has_axis = o->has_axis || o->has_axis_origin;
 	memcpy(out->about, o->about, sizeof out->about);

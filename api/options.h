@@ -44,6 +44,8 @@ struct api_options {
 	enum api_density_unit density_unit;
 	enum api_mass_unit mass_unit;
 	int material; /* row of the material table */
+	bool has_transform;
+	double transform[3][4];
 	bool has_about, has_axis, has_axis_origin;
 	double about[3], axis[3], axis_origin[3];
 	bool flip, strict;

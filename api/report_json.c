@@ -20,6 +20,22 @@ struct doc {
 	bool lists_cut;
 };
 
+static void add_transform(struct doc *d, cJSON *in)
+{
+	struct api_text rows = {0};
+
+	if (!d->o->has_transform) {
+		api_json_null(&d->j, in, "transform");
+		return;
+	}
+	for (int i = 0; i < 3; i++) {
+		api_text_say(&rows, i == 0 ? "[" : ",");
+		api_text_vector(&rows, d->o->transform[i], 4);
+	}
+	api_text_say(&rows, "]");
+	api_json_text(&d->j, in, "transform", &rows);
+}
+
 static void add_input(struct doc *d, cJSON *root, const char *filename)
 {
 	cJSON *in = api_json_object(&d->j, root, "input");
@@ -36,6 +52,7 @@ static void add_input(struct doc *d, cJSON *root, const char *filename)
 	api_json_string(&d->j, in, "format", api_format_word(d->r->notes.format));
 	api_json_count(&d->j, in, "bytes", d->r->notes.bytes);
 	api_json_string(&d->j, in, "unit", api_unit_names[d->o->unit]);
+	add_transform(d, in);
 }
 
 static void add_unit(struct doc *d, cJSON *units, const char *name, const char *base, int power)
@@ -185,6 +202,7 @@ static void add_inertia(struct doc *d, cJSON *properties)
 	api_json_matrix(&d->j, i, "about_origin", r->inertia_origin_defined, r->inertia_origin);
 	api_json_matrix(&d->j, i, "about_centroid", r->total.inertia_defined, r->total.inertia);
 	api_json_matrix(&d->j, i, "about_point", r->inertia_about_defined, r->inertia_about);
+	api_json_vector(&d->j, i, "point", d->o->has_about, d->o->about, 3);
 	add_axis(d, i);
 }
 

@@ -94,7 +94,7 @@ static void vertex(struct api_text *t, const struct mp_report *r, uint32_t v)
 {
 	double xyz[3];
 
-	mp_vertices_get(r->vertices, v, xyz);
+	mp_report_vertex(r, v, xyz);
 	api_text_vector(t, xyz, 3);
 }
 

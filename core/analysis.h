@@ -44,6 +44,13 @@ struct mp_request {
 	 */
 	const struct mp_named_density *named;
 	uint32_t named_count; /* at most MP_MOST_NAMED */
+	/*
+	 * Rows of an affine map of the file's coordinates, the translation last.  Everything that
+	 * the report measures or shows is of the mapped mesh; points and directions below are too.
+	 * MP_BAD_MAP where it is singular or takes a vertex beyond the range of a double.
+	 */
+	bool has_transform;
+	double transform[3][4];
 	bool has_about, has_axis;
 	double about[3];
 	double axis_origin[3], axis_direction[3]; /* direction: any length > 0 */

@@ -18,6 +18,7 @@ enum mp_code {
 	MP_LIMIT,       /* more than the limits allow: limit and actual are set */
 	MP_NOMEM,       /* an allocation failed */
 	MP_BAD_NAME,    /* named densities do not fit the file: limit and actual are set */
+	MP_BAD_MAP,     /* the request's affine map is singular or takes the mesh out of range */
 	MP_BUG          /* our own fault */
 };
 

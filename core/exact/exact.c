@@ -11,7 +11,7 @@ static const int AXES[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
 struct sums {
 	struct mp_fixed fixed[MP_EXACT_SUMS];
 	mp_i128 digits[MP_EXACT_SUMS][MP_EXACT_COLUMNS];
-	struct mp_big gmp[MP_EXACT_SUMS];
+	struct mp_big gmp[MP_EXACT_SUMS + 3];
 };
 
 /* The corners on the grid; false if one is not. */
@@ -86,20 +86,24 @@ static void join(const struct mp_exact_axis axis[3], struct sums *sums)
 	}
 }
 
-/* Give the sums their memory; what ${out} had before is not looked at. */
-static int pack(const struct mp_exact_axis axis[3], const struct mp_big sum[MP_EXACT_SUMS],
-		struct mp_exact *out, struct mp_error *err)
+int mp_exact_pack(const struct mp_exact_axis axis[3], bool mapped,
+		  const struct mp_big sum[MP_EXACT_SUMS + 3], struct mp_exact *out,
+		  struct mp_error *err)
 {
+	int sums = MP_EXACT_SUMS + (mapped ? 3 : 0);
 	uint32_t limbs = 0;
+	uint64_t *limb;
 
-	for (int i = 0; i < MP_EXACT_SUMS; i++)
+	for (int i = 0; i < sums; i++)
 		limbs += (uint32_t)sum[i].n;
-	out->limb = malloc((limbs + (size_t)1) * sizeof *out->limb); /* never 0 bytes */
-	if (out->limb == NULL)
+	limb = malloc((limbs + (size_t)1) * sizeof *limb); /* never 0 bytes */
+	if (limb == NULL)
 		return mp_fail_nomem(err);
+	out->limb = limb;
+	out->mapped = mapped;
 	memmove(out->axis, axis, sizeof out->axis);
 	limbs = 0;
-	for (int i = 0; i < MP_EXACT_SUMS; i++) {
+	for (int i = 0; i < sums; i++) {
 		out->sum[i].sign = sum[i].sign;
 		out->sum[i].exponent = sum[i].exponent;
 		out->sum[i].at = limbs;
@@ -122,7 +126,7 @@ int mp_exact_find(const struct mp_mesh *mesh, const struct mp_exact_grid *grid,
 		mp_big_set(&sums.gmp[i], 0, 0, 0);
 	add_all(mesh, grid, order, count, &sums);
 	join(grid->axis, &sums);
-	return pack(grid->axis, sums.gmp, out, err);
+	return mp_exact_pack(grid->axis, false, sums.gmp, out, err);
 }
 
 void mp_exact_get(const struct mp_exact *from, int i, struct mp_big *out)
@@ -133,7 +137,7 @@ void mp_exact_get(const struct mp_exact *from, int i, struct mp_big *out)
 
 int mp_exact_add(struct mp_exact *io, const struct mp_exact *part, struct mp_error *err)
 {
-	struct mp_big sum[MP_EXACT_SUMS], x;
+	struct mp_big sum[MP_EXACT_SUMS + 3], x;
 	uint64_t *old = io->limb;
 
 	for (int i = 0; i < MP_EXACT_SUMS; i++) {
@@ -141,12 +145,20 @@ int mp_exact_add(struct mp_exact *io, const struct mp_exact *part, struct mp_err
 		mp_exact_get(part, i, &x);
 		mp_big_add(&sum[i], &x, 1, &sum[i]);
 	}
-	if (pack(part->axis, sum, io, err)) {
-		io->limb = old;
+	for (int k = 0; k < 3 && part->mapped; k++)
+		mp_exact_get(part, MP_EXACT_SUMS + k, &sum[MP_EXACT_SUMS + k]);
+	if (mp_exact_pack(part->axis, part->mapped, sum, io, err))
 		return -1;
-	}
 	free(old);
 	return 0;
+}
+
+void mp_exact_get_origin(const struct mp_exact *from, int k, struct mp_big *out)
+{
+	if (from->mapped)
+		mp_exact_get(from, MP_EXACT_SUMS + k, out);
+	else
+		mp_big_set_i64(out, from->axis[k].origin, from->axis[k].exponent);
 }
 
 void mp_exact_free(struct mp_exact *e)

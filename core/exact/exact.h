@@ -54,11 +54,12 @@ enum { MP_EXACT_SUMS = 10 };
 
 struct mp_exact {
 	struct mp_exact_axis axis[3]; /* the sums are about the origin of the grid */
+	bool mapped;                  /* they are not: about a point that follows them */
 	struct {
 		int sign;         /* -1, 0, 1 */
 		int exponent;     /* of the lowest limb */
 		uint32_t at, end; /* limb[at .. end), lowest first */
-	} sum[MP_EXACT_SUMS];
+	} sum[MP_EXACT_SUMS + 3];
 	uint64_t *limb; /* about 400 bytes for ten sums; 14 kB if coordinates span all doubles */
 };
 
@@ -71,8 +72,17 @@ int mp_exact_find(const struct mp_mesh *mesh, const struct mp_exact_grid *grid,
 		  const uint32_t *order, uint32_t count, struct mp_exact *out,
 		  struct mp_error *err);
 
-/* ${io} += ${part}, found on the same grid: the whole from its bodies.  -1: ${io} is unchanged. */
+/*
+ * ${io} += ${part}, found on the same grid and mapped alike: the whole from its bodies.  -1: ${io}
+ * is unchanged.
+ */
 int mp_exact_add(struct mp_exact *io, const struct mp_exact *part, struct mp_error *err);
+
+/*
+ * The sums of the mesh as mapped by x -> row[i][0..2].x + row[i][3], its triangles wound the other
+ * way where that mirrors, so that the sign of the volume stays.  -1: ${io} is unchanged.
+ */
+int mp_exact_map(struct mp_exact *io, const double row[3][4], struct mp_error *err);
 
 void mp_exact_free(struct mp_exact *); /* legal on a zeroed struct; zeroes it */
 
@@ -140,5 +150,19 @@ void mp_exact_inertia(const struct mp_exact *, const struct mp_exact_density *,
 void mp_exact_axis_moment(const struct mp_exact *, const struct mp_exact_density *,
 			  const double origin[3], const double direction[3],
 			  struct mp_exact_value *moment, struct mp_exact_value *radius);
+
+/* row[0..2].x + row[3] for finite doubles; as a coordinate, it may be subnormal. */
+void mp_exact_coordinate(const double row[4], const double x[3], struct mp_exact_value *out);
+
+/*
+ * The determinant of the first three columns: its sign, and |determinant| in
+ * [size, size + more)*2^exponent, more 0 where it is exactly that, else 1.
+ */
+struct mp_exact_determinant {
+	int sign, exponent;
+	uint64_t size; /* >= 2^63, or 0 */
+	unsigned more;
+};
+void mp_exact_determinant(const double row[3][4], struct mp_exact_determinant *out);
 
 #endif

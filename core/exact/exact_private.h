@@ -36,6 +36,17 @@ void mp_exact_gmp_add(struct mp_big sum[MP_EXACT_SUMS], const struct mp_exact_ax
 /* exact.c: sum number ${i} of ${from}. */
 void mp_exact_get(const struct mp_exact *from, int i, struct mp_big *out);
 
+/* exact.c: the coordinate on axis ${k} of the point that the sums are about. */
+void mp_exact_get_origin(const struct mp_exact *from, int k, struct mp_big *out);
+
+/*
+ * exact.c: give the ten sums, and behind them the point that they are about if ${mapped}, their
+ * memory; what ${out} had before is not looked at.  -1: ${out} is unchanged.
+ */
+int mp_exact_pack(const struct mp_exact_axis axis[3], bool mapped,
+		  const struct mp_big sum[MP_EXACT_SUMS + 3], struct mp_exact *out,
+		  struct mp_error *err);
+
 /*
  * exact_round.c: num/den, and its square root, rounded to nearest, ties to even; den > 0.
  * ${tiny}: may be subnormal or 0 though the exact value is not 0; else that is not defined.

@@ -95,7 +95,7 @@ static void find_arm(const struct mp_exact *e, int k, const double *at, struct m
 {
 	struct mp_big a, arm, x;
 
-	mp_big_set_i64(&arm, e->axis[k].origin, e->axis[k].exponent);
+	mp_exact_get_origin(e, k, &arm);
 	mp_big_set_double(&x, at == NULL ? 0 : at[k]);
 	mp_big_add(&arm, &x, -1, &arm);
 	mp_exact_get(e, 0, &a);

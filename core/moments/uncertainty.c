@@ -20,8 +20,32 @@ enum { ROOM = 40 };
 struct frame {
 	double centre[3], scale[3]; /* q = (vertex - centre)*scale */
 	double shift[ROWS];         /* -1, and four times the centroid as q */
+	double turn[3][3];          /* from rows 1 to 3 to those of the map, each scaled: */
+	double row_scale[3];        /* that of a row is its derivative times this */
 	const struct mp_rounded_solid *solid;
 };
+
+/*
+ * The centroid of the mapped solid moves as the map says, while the normals stay those of the file.
+ * Powers of two keep the numbers near 1.
+ */
+static void set_turn(struct frame *f, const struct mp_affine *map)
+{
+	for (int i = 0; i < 3; i++) {
+		long double row[3], largest = 0;
+
+		f->row_scale[i] = f->scale[i];
+		for (int k = 0; k < 3 && map != NULL; k++) {
+			row[k] = (long double)map->row[i][k] / f->scale[k];
+			largest = fmaxl(largest, fabsl(row[k]));
+		}
+		if (map == NULL)
+			continue;
+		f->row_scale[i] = ldexp(1, ilogbl(largest) < -1000 ? 1000 : -ilogbl(largest));
+		for (int k = 0; k < 3; k++)
+			f->turn[i][k] = (double)(row[k] * f->row_scale[i]);
+	}
+}
 
 /* A box without an extent along an axis takes the factor of the others: nothing is scaled away. */
 static void set_frame(struct frame *f, const struct mp_rounded_solid *s)
@@ -47,6 +71,7 @@ static void set_frame(struct frame *f, const struct mp_rounded_solid *s)
 		f->shift[1 + k] =
 		    s->volume != 0 ? 4 * (s->centroid[k] - f->centre[k]) * f->scale[k] : 0;
 	f->solid = s;
+	set_turn(f, s->map);
 }
 
 /* q of the corners, each behind a 0, so that q and what is made of it fit the rows. */
@@ -87,6 +112,14 @@ static inline void find_rows(const struct frame *f, double (*q)[ROWS], rows out[
 		const rows own = {(float)q[c][0], (float)q[c][1], (float)q[c][2], (float)q[c][3]};
 
 		out[c] = s + own;
+	}
+	for (int c = 0; c < 3 && f->solid->map != NULL; c++) {
+		const rows from = out[c];
+
+		for (int i = 0; i < 3; i++)
+			out[c][1 + i] = (float)(f->turn[i][0] * (double)from[1] +
+						f->turn[i][1] * (double)from[2] +
+						f->turn[i][2] * (double)from[3]);
 	}
 }
 
@@ -228,9 +261,11 @@ static void set_deviation(const struct frame *f, const double squares[ROWS],
 	long double volume = fabsl(f->solid->volume * product);
 
 	out->volume = sqrtl(squares[0] / 3.0L) / 6 / product;
+	if (f->solid->map != NULL)
+		out->volume *= f->solid->map->size.mid;
 	for (int k = 0; k < 3; k++)
 		out->centroid[k] =
-		    volume > 0 ? sqrtl(squares[1 + k] / 3.0L) / 24 / volume / f->scale[k] : 0;
+		    volume > 0 ? sqrtl(squares[1 + k] / 3.0L) / 24 / volume / f->row_scale[k] : 0;
 }
 
 int mp_uncertainty_find(const struct mp_rounded_solid *s, struct mp_deviation *out,

@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "core/affine/affine.h"
 #include "core/decoder.h"
 #include "core/topology/topology.h"
 
@@ -26,11 +27,12 @@ struct mp_uncertainty {
 
 struct mp_rounded_solid {
 	const struct mp_mesh *mesh;
-	double min[3], max[3]; /* box of the vertices */
-	bool float32;          /* coordinates are rounded to float32, */
-	double step;           /* and to multiples of this before, if > 0 */
-	double volume;         /* signed [L^3] */
-	double centroid[3];    /* not used where volume is 0 */
+	double min[3], max[3];       /* box of the vertices */
+	bool float32;                /* coordinates are rounded to float32, */
+	double step;                 /* and to multiples of this before, if > 0 */
+	double volume;               /* signed [L^3] */
+	double centroid[3];          /* not used where volume is 0 */
+	const struct mp_affine *map; /* NULL, or what the results are mapped by, not the above */
 };
 
 struct mp_deviation {

@@ -13,6 +13,13 @@
  */
 enum { STEPS = 1 << 24, STEPS_PER_POINT = 64, LEAVES = 8 };
 
+/* What hangs together: vertices, or some of them, or all of them mapped. */
+struct cloud {
+	const struct mp_vertices *vertices;
+	const uint32_t *which;
+	const struct mp_affine *map;
+};
+
 struct joiner {
 	struct mp_near_tree tree;
 	uint32_t *parent; /* disjoint sets of places in tree.point */
@@ -211,9 +218,23 @@ static bool before(const double *p, const double *q)
 	return false;
 }
 
-/* Which place each set goes by. */
-static void elect(const struct joiner *j, const uint32_t *which, uint32_t *leader)
+/* Is place ${x} of the tree smaller than ${y}? */
+static bool smaller(const struct joiner *j, const struct cloud *c, uint32_t x, uint32_t y)
 {
+	const struct mp_near_point *a = &j->tree.point[x], *b = &j->tree.point[y];
+	double p[3], q[3];
+
+	if (before(a->p, b->p) || before(b->p, a->p) || c->map == NULL)
+		return before(a->p, b->p);
+	mp_vertices_get(c->vertices, a->id, p);
+	mp_vertices_get(c->vertices, b->id, q);
+	return before(p, q);
+}
+
+/* Which place each set goes by. */
+static void elect(const struct joiner *j, const struct cloud *c, uint32_t *leader)
+{
+	const uint32_t *which = c->which;
 	const struct mp_near_point *point = j->tree.point;
 	uint32_t *best = j->parent; /* of each root, once leader[] has the roots */
 
@@ -224,7 +245,7 @@ static void elect(const struct joiner *j, const uint32_t *which, uint32_t *leade
 	for (uint32_t x = 0; x < j->tree.count; x++) {
 		uint32_t root = leader[point[x].id];
 
-		if (before(point[x].p, point[best[root]].p))
+		if (smaller(j, c, x, best[root]))
 			best[root] = x;
 	}
 	for (uint32_t i = 0; i < j->tree.count; i++) {
@@ -242,9 +263,16 @@ static uint64_t seed_of(const uint8_t key[16])
 	return half[0] ^ (half[1] << 1);
 }
 
-int mp_cluster_find(const struct mp_vertices *vertices, const uint32_t *which, uint32_t count,
-		    double distance, const uint8_t key[16], uint32_t *leader, bool *complete,
-		    struct mp_error *err)
+/* Place ${i} of the cloud. */
+static void get_point(const struct cloud *c, uint32_t i, double p[3])
+{
+	mp_vertices_get(c->vertices, c->which != NULL ? c->which[i] : i, p);
+	if (c->map != NULL)
+		(void)mp_affine_point(c->map, p, p);
+}
+
+static int find(const struct cloud *c, uint32_t count, double distance, const uint8_t key[16],
+		uint32_t *leader, bool *complete, struct mp_error *err)
 {
 	const unsigned depth = mp_near_depth(count);
 	struct joiner j = {.tree = {.count = count, .depth = depth}, .complete = true};
@@ -262,7 +290,7 @@ int mp_cluster_find(const struct mp_vertices *vertices, const uint32_t *which, u
 		goto out;
 	}
 	for (uint32_t i = 0; i < count; i++) {
-		mp_vertices_get(vertices, which != NULL ? which[i] : i, j.tree.point[i].p);
+		get_point(c, i, j.tree.point[i].p);
 		j.tree.point[i].id = i;
 		j.parent[i] = i;
 	}
@@ -270,7 +298,7 @@ int mp_cluster_find(const struct mp_vertices *vertices, const uint32_t *which, u
 	j.steps = STEPS + (uint64_t)STEPS_PER_POINT * count;
 	mp_near_build(&j.tree, seed_of(key));
 	join_self(&j, &all);
-	elect(&j, which, leader);
+	elect(&j, c, leader);
 	*complete = j.complete;
 	ret = 0;
 out:
@@ -278,4 +306,22 @@ out:
 	free(j.tree.node);
 	free(j.tree.point);
 	return ret;
+}
+
+int mp_cluster_find(const struct mp_vertices *vertices, const uint32_t *which, uint32_t count,
+		    double distance, const uint8_t key[16], uint32_t *leader, bool *complete,
+		    struct mp_error *err)
+{
+	const struct cloud cloud = {vertices, which, NULL};
+
+	return find(&cloud, count, distance, key, leader, complete, err);
+}
+
+int mp_cluster_find_mapped(const struct mp_vertices *vertices, const struct mp_affine *map,
+			   double distance, const uint8_t key[16], uint32_t *leader, bool *complete,
+			   struct mp_error *err)
+{
+	const struct cloud cloud = {vertices, NULL, map};
+
+	return find(&cloud, mp_vertices_count(vertices), distance, key, leader, complete, err);
 }

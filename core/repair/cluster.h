@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "core/affine/affine.h"
 #include "core/error.h"
 #include "core/topology/vertices.h"
 
@@ -26,5 +27,14 @@
 int mp_cluster_find(const struct mp_vertices *vertices, const uint32_t *which, uint32_t count,
 		    double distance, const uint8_t key[16], uint32_t *leader, bool *complete,
 		    struct mp_error *err);
+
+/*
+ * The same where distances, and which place is the smallest, are those of all vertices mapped (and
+ * rounded; of places that rounding makes one the smallest of the file is taken).  ${map}: takes
+ * none beyond the range of a double; NULL for none.
+ */
+int mp_cluster_find_mapped(const struct mp_vertices *vertices, const struct mp_affine *map,
+			   double distance, const uint8_t key[16], uint32_t *leader, bool *complete,
+			   struct mp_error *err);
 
 #endif

@@ -33,7 +33,7 @@ struct mp_near_tree {
 unsigned mp_near_depth(uint32_t count);
 
 /*
- * Put the points, no two of which coincide, in their order and fill the boxes: O(n log n) on
+ * Put the points, no two of which have one number, in their order and fill the boxes: O(n log n) on
  * average over ${seed}, whatever the points.  ${seed} does not change the tree.
  */
 void mp_near_build(struct mp_near_tree *, uint64_t seed);

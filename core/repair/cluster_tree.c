@@ -33,13 +33,13 @@ static unsigned widest(const struct mp_near_node *node)
 	return axis;
 }
 
-/* By coordinate ${axis}, then the others: an order in which no two points are equal. */
+/* By coordinate ${axis}, then the others, then the number: no two points are equal. */
 static bool less(const struct mp_near_point *a, const struct mp_near_point *b, unsigned axis)
 {
 	for (unsigned k = 0; k < 3; k++, axis = axis == 2 ? 0 : axis + 1)
 		if (a->p[axis] != b->p[axis])
 			return a->p[axis] < b->p[axis];
-	return false;
+	return a->id < b->id;
 }
 
 static uint64_t random_next(uint64_t *seed) /* splitmix64, Steele 2014 */

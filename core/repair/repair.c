@@ -20,7 +20,8 @@ static int weld(const struct mp_request *request, const uint8_t key[16], struct 
 
 	if (request->weld == 0)
 		return 0;
-	if (mp_weld(r->vertices, r->tri, r->triangles, request->weld, key, &done, err))
+	if (mp_weld(r->vertices, r->mapped ? &r->map : NULL, r->tri, r->triangles, request->weld,
+		    key, &done, err))
 		return -1;
 	r->welded_vertices = done.went;
 	mp_warn(r, MP_WARN_WELD_UNDECIDED, !done.complete);

@@ -2,8 +2,9 @@
 
 #include <stdlib.h>
 
-int mp_weld(const struct mp_vertices *vertices, uint32_t (*tri)[3], uint32_t triangles,
-	    double distance, const uint8_t key[16], struct mp_weld *out, struct mp_error *err)
+int mp_weld(const struct mp_vertices *vertices, const struct mp_affine *map, uint32_t (*tri)[3],
+	    uint32_t triangles, double distance, const uint8_t key[16], struct mp_weld *out,
+	    struct mp_error *err)
 {
 	uint32_t count = mp_vertices_count(vertices);
 	uint32_t *leader = malloc(((size_t)count + 1) * sizeof *leader);
@@ -11,7 +12,7 @@ int mp_weld(const struct mp_vertices *vertices, uint32_t (*tri)[3], uint32_t tri
 	out->went = 0;
 	if (leader == NULL)
 		return mp_fail_nomem(err);
-	if (mp_cluster_find(vertices, NULL, count, distance, key, leader, &out->complete, err)) {
+	if (mp_cluster_find_mapped(vertices, map, distance, key, leader, &out->complete, err)) {
 		free(leader);
 		return -1;
 	}

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/affine/affine.h"
 #include "core/bodies/bodies.h"
 #include "core/decoder.h"
 #include "core/moments/solid.h"
@@ -75,7 +76,8 @@ static bool cap(const struct caps *c, size_t half, double tri[9])
 	return isfinite(tri[6]) && isfinite(tri[7]) && isfinite(tri[8]);
 }
 
-static bool add_caps(const struct caps *c, struct mp_moments *m)
+/* The triangles of the fans, or their images. */
+static bool add_caps(const struct caps *c, const struct mp_affine *map, struct mp_moments *m)
 {
 	double block[MP_BLOCK][9];
 	size_t fill = 0;
@@ -83,6 +85,9 @@ static bool add_caps(const struct caps *c, struct mp_moments *m)
 	for (size_t h = mp_bit_next(c->bit, c->halves, 0); h < c->halves;) {
 		if (!cap(c, h, block[fill]))
 			return false;
+		for (int k = 0; k < 9 && map != NULL; k += 3)
+			if (!mp_affine_point(map, block[fill] + k, block[fill] + k))
+				return false;
 		h = mp_bit_next(c->bit, c->halves, h + 1);
 		if (++fill < MP_BLOCK && h < c->halves)
 			continue;
@@ -105,15 +110,17 @@ static void find_volume(const struct caps *c, const struct mp_moments *sums, str
 	struct mp_moments first = *sums, second;
 	struct mp_solid solid;
 
-	if (!add_caps(c, &first))
+	if (!add_caps(c, NULL, &first))
 		return;
 	mp_moments_solve(&first, &solid);
 	if (solid.again) {
 		mp_moments_begin_again(&second, &first);
 		mp_solid_add(&second, c->mesh, NULL, c->mesh->triangles);
-		(void)add_caps(c, &second);
+		(void)add_caps(c, NULL, &second);
 		mp_moments_solve(&second, &solid);
 	}
+	if (c->mesh->map != NULL) /* the mean of a loop is mapped to that of the mapped loop */
+		mp_affine_solid(c->mesh->map, &solid);
 	out->volume_defined = solid.in_range && put(solid.volume, &out->volume);
 }
 
@@ -123,12 +130,12 @@ static void find_area(const struct caps *c, struct mp_capped *out)
 	struct mp_solid solid;
 
 	mp_moments_begin(&first);
-	if (!add_caps(c, &first))
+	if (!add_caps(c, c->mesh->map, &first))
 		return;
 	mp_moments_solve(&first, &solid);
 	if (solid.area_again) {
 		mp_moments_begin_again(&second, &first);
-		(void)add_caps(c, &second);
+		(void)add_caps(c, c->mesh->map, &second);
 		mp_moments_solve(&second, &solid);
 	}
 	out->area_defined = solid.area_in_range && put(solid.area, &out->area);

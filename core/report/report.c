@@ -166,9 +166,9 @@ static void set_total(const struct mp_solid *whole, const struct mp_solid *heavy
 	mp_warn(r, MP_WARN_OUT_OF_RANGE, !fits);
 }
 
-static void set_masses(const struct mp_request *request, const struct mp_named *named,
-		       const struct mp_solid *whole, struct mp_density *density,
-		       struct mp_report *r)
+static void set_masses(const struct mp_request *request, const struct mp_mesh *mesh,
+		       const struct mp_named *named, const struct mp_box *box,
+		       struct mp_solid *whole, struct mp_density *density, struct mp_report *r)
 {
 	const struct mp_solid *heavy = whole;
 	bool closed = mp_has_volume(&r->topology);
@@ -176,8 +176,10 @@ static void set_masses(const struct mp_request *request, const struct mp_named *
 
 	if (named->count > 0) {
 		weigh(named, whole, closed, &weighted, density, r);
+		mp_report_map_whole(r, mesh, box, whole, &weighted);
 		heavy = &weighted;
 	} else {
+		mp_report_map_whole(r, mesh, box, whole, NULL);
 		*density = find_density(request, whole, closed, r);
 	}
 	set_total(whole, heavy, closed, density, r);
@@ -193,12 +195,15 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	const struct mp_mesh mesh = {.vertices = r->vertices,
 				     .tri = (const uint32_t(*)[3])r->tri,
 				     .triangles = r->triangles,
-				     .flat = r->repaired ? NULL : a->flat};
+				     .flat = r->repaired ? NULL : a->flat,
+				     .map = r->mapped ? &r->map : NULL};
 	struct mp_density density;
-	struct mp_solid whole;
+	struct mp_solid whole, stored; /* stored: in the file's frame, as box */
+	struct mp_box box;
 
-	memcpy(r->box.min, a->moments.min, sizeof r->box.min);
-	memcpy(r->box.max, a->moments.max, sizeof r->box.max);
+	memcpy(box.min, a->moments.min, sizeof box.min);
+	memcpy(box.max, a->moments.max, sizeof box.max);
+	mp_report_map_box(&mesh, &box, r);
 	if (mp_named_sort(named, request, &a->names, mesh.triangles, err) ||
 	    mp_topology_find(&mesh, request->defects, &r->topology, err) ||
 	    mp_named_bodies(named, &mesh, &r->topology, err) ||
@@ -211,13 +216,16 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	if (!r->repaired) /* else the file's numbers are of another mesh */
 		r->by_index = a->by_index;
 	mp_index_compare(&r->by_index, &r->topology);
-	set_masses(request, named, &whole, &density, r);
+	stored = whole;
+	set_masses(request, &mesh, named, &box, &whole, &density, r);
 	if (mp_report_exact_whole(x, request, &mesh, bodies, r, err) ||
-	    mp_report_uncertainty(request, &mesh, r, err))
+	    mp_report_uncertainty(request, &mesh, &box, &stored, r, err))
 		return -1;
 	warn(r);
-	if (mp_bodies_judge(bodies, r, err) ||
-	    mp_bodies_list(bodies, &density, named, &a->names, r, err))
+	if (mp_bodies_judge(bodies, r, err))
+		return -1;
+	mp_report_map_bodies(r, &mesh, bodies);
+	if (mp_bodies_list(bodies, &density, named, &a->names, r, err))
 		return -1;
 	return mp_report_exact_bodies(x, request, &mesh, bodies, r, err);
 }
@@ -235,7 +243,9 @@ int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,
 		return mp_fail(err, MP_BUG, MP_NO_BYTE, "a report without an ended file");
 	}
 	take_mesh(a, request, out);
-	ret = mp_repair(request, a->request.key, out, &a->moments, err);
+	ret = mp_report_map_begin(request, out, err);
+	if (ret == 0)
+		ret = mp_repair(request, a->request.key, out, &a->moments, err);
 	if (ret == 0)
 		ret = fill(a, request, out, &named, &bodies, &exact, err);
 	mp_report_exact_free(&exact);

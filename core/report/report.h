@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/affine/affine.h"
 #include "core/bodies/nesting.h"
 #include "core/decoder.h"
 #include "core/moments/principal.h"
@@ -121,9 +122,16 @@ struct mp_capped {
 
 struct mp_report {
 	struct mp_notes notes;
-	struct mp_vertices *vertices; /* coordinates for the defects below */
+	/* As in the file, whatever the request's map; mp_report_vertex() shows them. */
+	struct mp_vertices *vertices;
 	uint32_t (*tri)[3];
 	uint32_t triangles;
+	/*
+	 * The request's map, unless it changes nothing.  If it mirrors, corners b and c of every
+	 * triangle change places in the mapped frame.
+	 */
+	bool mapped;
+	struct mp_affine map;
 	struct mp_topology topology;
 	struct mp_by_index by_index;
 	struct mp_box box;
@@ -158,13 +166,17 @@ struct mp_report {
 
 	struct mp_body *body; /* the first ${bodies_listed} */
 	uint32_t bodies_listed;
-	char *names;                /* what body[].name points into */
-	uint64_t flipped_triangles; /* reversed because the request said flip */
+	char *names; /* what body[].name points into */
+	/* reversed because the request said flip; what a map mirrors is not among them */
+	uint64_t flipped_triangles;
 	uint64_t welded_vertices;   /* no longer used, as others have taken their place */
 	bool repaired;              /* the mesh is not the file's: welded */
 	uint64_t warnings;          /* bit 1 << enum mp_warning */
 	double decode_s, analyse_s; /* 0: core reads no clock; the caller fills these */
 };
+
+/* Coordinates of vertex ${number} as the report shows them: mapped. */
+void mp_report_vertex(const struct mp_report *report, uint32_t number, double xyz[3]);
 
 #define MP_WARNED(report, w) (((report)->warnings >> (w)) & 1u)
 

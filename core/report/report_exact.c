@@ -194,6 +194,19 @@ static void put_whole(const struct mp_request *request, const struct mp_exact *e
 	r->precision = MP_PRECISION_EXACT;
 }
 
+/* The sums over those triangles, as mapped by the request.  -1: memory is out, nothing to free. */
+static int find_mapped(const struct mp_mesh *mesh, const struct mp_exact_grid *grid,
+		       const struct mp_report *r, const uint32_t *order, uint32_t count,
+		       struct mp_exact *out, struct mp_error *err)
+{
+	if (mp_exact_find(mesh, grid, order, count, out, err))
+		return -1;
+	if (!r->mapped || mp_exact_map(out, (const double(*)[4])r->map.row, err) == 0)
+		return 0;
+	mp_exact_free(out);
+	return -1;
+}
+
 /* Which way the bodies are wound that seemed to be flat. */
 static int settle_winding(const struct mp_mesh *mesh, const struct mp_exact_grid *grid,
 			  const struct mp_report *r, struct mp_bodies *bodies, struct mp_error *err)
@@ -235,7 +248,7 @@ int mp_report_exact_whole(struct mp_report_exact *x, const struct mp_request *re
 		return -1;
 	if (!mp_has_volume(&r->topology) || !r->total.volume_defined)
 		return 0;
-	if (mp_exact_find(mesh, &x->grid, NULL, mesh->triangles, &whole, err))
+	if (find_mapped(mesh, &x->grid, r, NULL, mesh->triangles, &whole, err))
 		return -1;
 	put_whole(request, &whole, density_of(request, &whole, &made), r);
 	mp_exact_free(&whole);
@@ -264,7 +277,7 @@ int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_requ
 	if (!x->wanted)
 		return 0;
 	if (request->density_kind == MP_DENSITY_FROM_MASS &&
-	    mp_exact_find(mesh, &x->grid, NULL, mesh->triangles, &whole, err))
+	    find_mapped(mesh, &x->grid, r, NULL, mesh->triangles, &whole, err))
 		return -1;
 	density = density_of(request, &whole, &made);
 	for (uint32_t b = 0; b < r->bodies_listed && rc == 0; b++) {
@@ -272,8 +285,8 @@ int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_requ
 
 		if (!r->body[b].mass.volume_defined)
 			continue;
-		rc = mp_exact_find(mesh, &x->grid, bodies->order + bodies->start[b],
-				   bodies->start[b + 1] - bodies->start[b], &e, err);
+		rc = find_mapped(mesh, &x->grid, r, bodies->order + bodies->start[b],
+				 bodies->start[b + 1] - bodies->start[b], &e, err);
 		if (rc == 0) {
 			put_body(&e, density, &r->body[b]);
 			mp_exact_free(&e);

@@ -15,6 +15,21 @@
  */
 void mp_report_principal(struct mp_report *report, double tensor, struct mp_ball mass);
 
+/*
+ * The request's map (report_mapped.c).  begin: decide on it, before repairs; box: fill report->box,
+ * where that of the file is ${box}; whole: map the solid of the whole, and ${heavy} unless it is
+ * NULL; bodies: map solids and boxes of those that are listed, when nobody needs those of the file
+ * any more.  They do nothing where there is no map.  -1: MP_BAD_MAP.
+ */
+int mp_report_map_begin(const struct mp_request *request, struct mp_report *report,
+			struct mp_error *err);
+void mp_report_map_box(const struct mp_mesh *mesh, const struct mp_box *box,
+		       struct mp_report *report);
+void mp_report_map_whole(const struct mp_report *report, const struct mp_mesh *mesh,
+			 const struct mp_box *box, struct mp_solid *whole, struct mp_solid *heavy);
+void mp_report_map_bodies(const struct mp_report *report, const struct mp_mesh *mesh,
+			  struct mp_bodies *bodies);
+
 /* Exact numbers beside the certified ones; all 0 is ready. */
 struct mp_report_exact {
 	bool wanted;
@@ -40,9 +55,11 @@ int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_requ
 void mp_report_exact_free(struct mp_report_exact *x);
 
 /*
- * report->uncertainty, once total, box, topology and density are there.  -1: memory is out.
+ * report->uncertainty, once total, box, topology and density are there.  ${box}, ${stored}: of the
+ * whole, in the file's frame, for the case that there is a map.  -1: memory is out.
  */
 int mp_report_uncertainty(const struct mp_request *request, const struct mp_mesh *mesh,
+			  const struct mp_box *box, const struct mp_solid *stored,
 			  struct mp_report *report, struct mp_error *err);
 
 #endif

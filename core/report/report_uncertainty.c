@@ -4,12 +4,24 @@
 #include "core/moments/mass.h"
 #include "core/report/report_parts.h"
 
+/* In the frame of the file; ${stored} knows its centroid there. */
+static void describe_stored(const struct mp_box *box, const struct mp_solid *stored,
+			    struct mp_rounded_solid *s)
+{
+	memcpy(s->min, box->min, sizeof s->min);
+	memcpy(s->max, box->max, sizeof s->max);
+	s->volume = stored->has_centroid ? (double)stored->volume : 0;
+	for (int k = 0; k < 3; k++)
+		s->centroid[k] = (double)stored->centroid[k];
+}
+
 static struct mp_rounded_solid describe(const struct mp_mesh *mesh, const struct mp_report *r)
 {
 	struct mp_rounded_solid s = {.mesh = mesh,
 				     .float32 = true,
 				     .step = r->notes.quantisation_step,
-				     .volume = r->total.volume};
+				     .volume = r->total.volume,
+				     .map = mesh->map};
 
 	memcpy(s.min, r->box.min, sizeof s.min);
 	memcpy(s.max, r->box.max, sizeof s.max);
@@ -38,6 +50,7 @@ static void put_mass(const struct mp_request *request, const struct mp_deviation
 }
 
 int mp_report_uncertainty(const struct mp_request *request, const struct mp_mesh *mesh,
+			  const struct mp_box *box, const struct mp_solid *stored,
 			  struct mp_report *r, struct mp_error *err)
 {
 	struct mp_uncertainty *u = &r->uncertainty;
@@ -48,10 +61,13 @@ int mp_report_uncertainty(const struct mp_request *request, const struct mp_mesh
 	u->source = request->named_count == 0 ? r->notes.rounding : MP_ROUNDING_UNKNOWN;
 	if (u->source == MP_ROUNDING_UNKNOWN || !r->total.volume_defined)
 		return 0;
+	if (r->mapped)
+		describe_stored(box, stored, &s);
 	if (mp_uncertainty_find(&s, &d, err))
 		return -1;
 	u->volume_defined = mp_in_range(d.volume, &u->volume);
 	put_mass(request, &d, r);
-	put_centroid(&d, r);
+	if (!r->mapped || stored->has_centroid)
+		put_centroid(&d, r);
 	return 0;
 }

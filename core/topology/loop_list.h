@@ -1,6 +1,7 @@
 #ifndef MP_LOOP_LIST_H
 #define MP_LOOP_LIST_H
 
+#include "core/affine/affine.h"
 #include "core/topology/disjoint.h"
 #include "core/topology/topology_parts.h"
 
@@ -50,12 +51,14 @@ static inline uint32_t mp_loop_number(const struct mp_loop_lister *s, uint32_t v
 }
 
 /*
- * Coordinates of a vertex as loops are measured: the one place where lengths, areas and boxes of
- * loops take them from.
+ * Coordinates of a vertex as loops are measured, mapped: the one place where lengths, areas and
+ * boxes of loops take them from.
  */
 static inline void mp_loop_place_of(const struct mp_loop_lister *s, uint32_t v, double xyz[3])
 {
 	mp_vertices_get(s->mesh->vertices, v, xyz);
+	if (s->mesh->map != NULL)
+		(void)mp_affine_point(s->mesh->map, xyz, xyz);
 }
 
 /* loop_measure.c: all of out->loop but the junctions.  degree and loop[].vertices are whole yet. */

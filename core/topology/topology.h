@@ -8,6 +8,8 @@
 #include "core/error.h"
 #include "core/topology/vertices.h"
 
+struct mp_affine;
+
 struct mp_mesh {
 	const struct mp_vertices *vertices;
 	const uint32_t (*tri)[3]; /* vertex numbers, each < mp_vertices_count(vertices) */
@@ -17,6 +19,7 @@ struct mp_mesh {
 	 * moves vertices or makes one of several leaves it NULL.
 	 */
 	const uint64_t *flat;
+	const struct mp_affine *map; /* what loops and caps are measured under, NULL for nothing */
 };
 
 /*

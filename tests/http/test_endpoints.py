@@ -95,7 +95,7 @@ def test_capabilities(d):
     check("they list formats, units, materials and options",
           "stl-binary" in c.get("formats", []) and "mm" in c.get("units", [])
           and "model/stl" in c.get("media_types", []) and "steel" in names
-          and "density" in c.get("options", []) and "transform" not in c.get("options", []), a)
+          and "density" in c.get("options", []) and "transform" in c.get("options", []), a)
     check("they give the limits in force", at(c, "limits.max_triangles") == 5000
           and at(c, "limits.max_body") == 2000000 and at(c, "limits.deadline_s") == 30
           and at(c, "limits.workers") == 1, a)

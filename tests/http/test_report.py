@@ -14,7 +14,8 @@ BODY = {"triangles": 12, "volume": 24000, "surface_area": 5200, "mass": 0.0648,
         "orientation": "outward", "depth": 0, "parent": None, "cavity": False, "name": None}
 EXAMPLE = {
     "schema": "masspropd/1",
-    "input": {"filename": None, "format": "stl-binary", "bytes": 684, "unit": "mm"},
+    "input": {"filename": None, "format": "stl-binary", "bytes": 684, "unit": "mm",
+              "transform": None},
     "units": {"length": "mm", "area": "mm2", "volume": "mm3", "mass": "kg", "density": "kg/m3",
               "inertia": "kg.mm2"},
     "mesh": {"triangles": 12, "polygons": 0, "surfaces": 0, "vertices": 8, "edges": 18, "bodies": 1,
@@ -35,7 +36,7 @@ EXAMPLE = {
                     "about_origin": [[28.08, -19.44, -12.96], [-19.44, 43.2, -9.72],
                                      [-12.96, -9.72, 54]],
                     "about_centroid": [[7.02, 0, 0], [0, 10.8, 0], [0, 0, 13.5]],
-                    "about_point": None, "about_axis": None},
+                    "about_point": None, "point": None, "about_axis": None},
         "principal": {"moments": [7.02, 10.8, 13.5], "axes": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
                       "quaternion_wxyz": [1, 0, 0, 0], "symmetry": "none"},
         "volume_if_capped": None, "cap_area": None, "volume_if_oriented": None},
@@ -63,6 +64,7 @@ def test_example(d):
           and (a.json.get("error_bounds", 0) is None or "volume" in a.json["error_bounds"]), a)
     b = d.post(stl_ascii(BOX, ""), query="density=2700")
     want = {**EXAMPLE, "input": {"filename": None, "format": "stl-ascii", "unit": "mm",
+                                 "transform": None,
                                  "bytes": len(stl_ascii(BOX, ""))}}
     faults = differences(want, b.json)
     check("the same as text", b.status == 200 and not faults, "\n".join(faults) or b)

@@ -2,6 +2,10 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "tests/unit/oracle.h"
 
 enum {
 	EXACT = 16384, /* bits: no product here has more, so that nothing is rounded */
@@ -63,17 +67,29 @@ void truth_clear(struct truth *o)
 	each_root(o, clear);
 }
 
+static long lower_bit(long low, double x)
+{
+	int e;
+
+	return frexp(x, &e) != 0 && e - 53 < low ? e - 53 : low;
+}
+
 static long lowest_bit(const struct mesh *m)
 {
 	long low = LONG_MAX;
 
-	for (size_t i = 0; i < 9 * m->count; i++) {
-		int e;
-
-		if (frexp(m->tri[i / 9][i % 9], &e) != 0 && e - 53 < low)
-			low = e - 53;
-	}
+	for (size_t i = 0; i < 9 * m->count; i++)
+		low = lower_bit(low, m->tri[i / 9][i % 9]);
 	return low == LONG_MAX ? 0 : low;
+}
+
+static long lowest_bit_of_map(const double row[3][4])
+{
+	long low = LONG_MAX;
+
+	for (int i = 0; i < 12; i++)
+		low = lower_bit(low, row[i / 4][i % 4]);
+	return low < 0 ? low : 0;
 }
 
 static void whole(mpz_t out, double x, long unit)
@@ -131,9 +147,61 @@ static void add_triangle(struct sums *out, mpz_t q[9], mpz_t e[6], mpz_t n[3], m
 	}
 }
 
-static void find_sums(struct sums *s, const struct mesh *m)
+/* Corner ${x} as whole numbers of 2^${unit}, on the way 2^${fine} those of the map. */
+static void map_corner(mpz_t out[3], const double x[3], const double row[3][4], long unit,
+		       long fine)
+{
+	mpz_t from, factor;
+
+	mpz_init(from);
+	mpz_init(factor);
+	for (int i = 0; i < 3; i++) {
+		whole(out[i], row[i][3], unit);
+		for (int k = 0; k < 3; k++) {
+			whole(from, x[k], unit - fine);
+			whole(factor, row[i][k], fine);
+			mpz_addmul(out[i], from, factor);
+		}
+	}
+	mpz_clear(from);
+	mpz_clear(factor);
+}
+
+static void get_triangle(mpz_t q[9], const double tri[9], const double (*row)[4], bool turned,
+			 long unit, long fine)
+{
+	static const int CORNER[2][3] = {{0, 1, 2}, {0, 2, 1}};
+
+	for (int c = 0; c < 3; c++) {
+		const double *x = &tri[3 * CORNER[turned][c]];
+
+		if (row != NULL)
+			map_corner(q + 3 * c, x, row, unit, fine);
+		else
+			for (int k = 0; k < 3; k++)
+				whole(q[3 * c + k], x[k], unit);
+	}
+}
+
+static bool mirrors(const double (*row)[4])
+{
+	bool negative;
+	mpq_t det;
+
+	if (row == NULL)
+		return false;
+	mpq_init(det);
+	oracle_determinant(row, det);
+	negative = mpq_sgn(det) < 0;
+	mpq_clear(det);
+	return negative;
+}
+
+static void find_sums(struct sums *s, const struct mesh *m, const double (*row)[4])
 {
 	mpz_t scratch[22], *q = scratch, *e = scratch + 9, *n = scratch + 15, *x = scratch + 18;
+	long fine = row != NULL ? lowest_bit_of_map(row) : 0;
+	bool turned = mirrors(row);
 
 	for (int i = 0; i < 22; i++)
 		mpz_init(scratch[i]);
@@ -142,14 +210,16 @@ static void find_sums(struct sums *s, const struct mesh *m)
 	for (int k = 0; k < 6; k++)
 		mpz_init(s->a2[k]);
 	s->unit = lowest_bit(m);
+	s->unit = (row != NULL && s->unit > 0 ? 0 : s->unit) + fine;
 	for (int k = 0; k < 3; k++) {
 		mpz_init(s->a1[k]);
 		mpz_init(s->origin[k]);
-		whole(s->origin[k], m->tri[0][k], s->unit);
 	}
 	for (size_t i = 0; i < m->count; i++) {
+		get_triangle(q, m->tri[i], row, turned, s->unit, fine);
 		for (int k = 0; k < 9; k++) {
-			whole(q[k], m->tri[i][k], s->unit);
+			if (i == 0 && k < 3)
+				mpz_set(s->origin[k], q[k]);
 			mpz_sub(q[k], q[k], s->origin[k % 3]);
 		}
 		add_triangle(s, q, e, n, x);
@@ -271,9 +341,15 @@ static void set_second(struct truth *o, const struct sums *s)
 
 void truth_find(struct truth *o, const struct mesh *m, const struct truth_density *density)
 {
+	truth_find_mapped(o, m, NULL, density);
+}
+
+void truth_find_mapped(struct truth *o, const struct mesh *m, const double row[3][4],
+		       const struct truth_density *density)
+{
 	struct sums s;
 
-	find_sums(&s, m);
+	find_sums(&s, m, row);
 	o->sign = mpz_sgn(s.a0);
 	mpf_set_z(o->volume.num, s.a0);
 	shift(o->volume.num, &s, 3);

@@ -33,6 +33,10 @@ void truth_init(struct truth *);
 void truth_clear(struct truth *);
 void truth_find(struct truth *, const struct mesh *, const struct truth_density *);
 
+/* Of the mesh mapped by x -> row[i][0..2].x + row[i][3]; mirrored, it is wound the other way. */
+void truth_find_mapped(struct truth *, const struct mesh *, const double row[3][4],
+		       const struct truth_density *);
+
 /* Moments, radii and axes from the central tensor and the mass; truth_find() calls it. */
 void truth_find_principal(struct truth *);
 

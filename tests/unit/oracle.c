@@ -5,18 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { UNIT = 1074 }; /* every double is an integer times 2^-UNIT */
-
-static void set_double(mpz_t out, double x)
-{
-	mpq_t q;
-
-	mpq_init(q);
-	mpq_set_d(q, x);
-	mpq_mul_2exp(q, q, UNIT);
-	mpz_set(out, mpq_numref(q));
-	mpq_clear(q);
-}
+enum { UNIT = 1074 }; /* every double is an integer times 2^-UNIT, products 2^-2*UNIT */
 
 void oracle_init(struct oracle *o)
 {
@@ -55,11 +44,63 @@ static void add_determinant(mpz_t out, mpz_t p[3][3])
 	mpz_clear(t);
 }
 
+void oracle_coordinate(const double row[4], const double x[3], mpq_t out)
+{
+	mpq_t a, b;
+
+	mpq_inits(a, b, NULL);
+	mpq_set_d(out, row[3]);
+	for (int k = 0; k < 3; k++) {
+		mpq_set_d(a, row[k]);
+		mpq_set_d(b, x[k]);
+		mpq_mul(a, a, b);
+		mpq_add(out, out, a);
+	}
+	mpq_clears(a, b, NULL);
+}
+
+void oracle_determinant(const double (*row)[4], mpq_t out)
+{
+	mpq_t a, b;
+
+	mpq_inits(a, b, NULL);
+	mpq_set_ui(out, 0, 1);
+	for (int turn = 0; turn < 6; turn++) {
+		int step = turn < 3 ? 1 : 2; /* columns forwards, then backwards */
+
+		mpq_set_d(a, row[0][turn % 3]);
+		for (int i = 1; i < 3; i++) {
+			mpq_set_d(b, row[i][(turn + i * step) % 3]);
+			mpq_mul(a, a, b);
+		}
+		if (step == 1)
+			mpq_add(out, out, a);
+		else
+			mpq_sub(out, out, a);
+	}
+	mpq_clears(a, b, NULL);
+}
+
+/* In units of 2^-2*UNIT. */
+static void set_mapped(mpz_t out, const double (*row)[4], const double x[3], int i)
+{
+	mpq_t q;
+
+	mpq_init(q);
+	if (row != NULL)
+		oracle_coordinate(row[i], x, q);
+	else
+		mpq_set_d(q, x[i]);
+	mpq_mul_2exp(q, q, 2 * UNIT);
+	mpz_set(out, mpq_numref(q));
+	mpq_clear(q);
+}
+
 struct totals {
 	mpz_t det, first[3], square[3][3]; /* 6, 24 and 120 times the integrals */
 };
 
-static void add_triangle(struct totals *sum, const double tri[9])
+static void add_triangle(struct totals *sum, const double tri[9], const double (*row)[4])
 {
 	mpz_t p[3][3], det, s, t;
 
@@ -67,7 +108,7 @@ static void add_triangle(struct totals *sum, const double tri[9])
 	for (int c = 0; c < 3; c++)
 		for (int k = 0; k < 3; k++) {
 			mpz_init(p[c][k]);
-			set_double(p[c][k], tri[3 * c + k]);
+			set_mapped(p[c][k], row, &tri[3 * c], k);
 		}
 	add_determinant(det, p);
 	mpz_add(sum->det, sum->det, det);
@@ -95,7 +136,7 @@ static void set_quotient(mpq_t out, const mpz_t num, unsigned den, unsigned coor
 	mpq_set_z(out, num);
 	mpz_set_ui(mpq_denref(out), den);
 	mpq_canonicalize(out);
-	mpq_div_2exp(out, out, UNIT * (mp_bitcnt_t)coordinates);
+	mpq_div_2exp(out, out, 2 * UNIT * (mp_bitcnt_t)coordinates);
 }
 
 static void solve(struct oracle *o)
@@ -118,6 +159,30 @@ static void solve(struct oracle *o)
 
 void oracle_find(struct oracle *o, const double (*tri)[9], size_t count)
 {
+	oracle_find_mapped(o, tri, count, NULL);
+}
+
+/* Wound the other way, all integrals change their sign. */
+static void wind(struct totals *sum, const double (*row)[4])
+{
+	mpq_t det;
+
+	mpq_init(det);
+	oracle_determinant(row, det);
+	if (mpq_sgn(det) < 0) {
+		mpz_neg(sum->det, sum->det);
+		for (int i = 0; i < 9; i++) {
+			mpz_neg(sum->square[i / 3][i % 3], sum->square[i / 3][i % 3]);
+			if (i < 3)
+				mpz_neg(sum->first[i], sum->first[i]);
+		}
+	}
+	mpq_clear(det);
+}
+
+void oracle_find_mapped(struct oracle *o, const double (*tri)[9], size_t count,
+			const double (*row)[4])
+{
 	struct totals sum;
 
 	mpz_init(sum.det);
@@ -126,7 +191,9 @@ void oracle_find(struct oracle *o, const double (*tri)[9], size_t count)
 		mpz_inits(sum.square[i][0], sum.square[i][1], sum.square[i][2], NULL);
 	}
 	for (size_t i = 0; i < count; i++)
-		add_triangle(&sum, tri[i]);
+		add_triangle(&sum, tri[i], row);
+	if (row != NULL)
+		wind(&sum, row);
 	set_quotient(o->volume, sum.det, 6, 3);
 	for (int i = 0; i < 3; i++) {
 		set_quotient(o->first[i], sum.first[i], 24, 4);

@@ -21,6 +21,19 @@ void oracle_clear(struct oracle *);
 void oracle_find(struct oracle *, const double (*tri)[9], size_t count);
 
 /*
+ * The same of the vertices mapped by x -> row[i][0..2].x + row[i][3]; where that mirrors, every
+ * triangle is wound the other way.  ${row} may be NULL.
+ */
+void oracle_find_mapped(struct oracle *, const double (*tri)[9], size_t count,
+			const double (*row)[4]);
+
+/* One coordinate of a mapped point. */
+void oracle_coordinate(const double row[4], const double x[3], mpq_t out);
+
+/* The determinant of the first three columns. */
+void oracle_determinant(const double (*row)[4], mpq_t out);
+
+/*
  * Tensor about ${about}, NULL for the centroid, times ${factor}, of the solid with a positive
  * volume; the volume must not be 0.
  */

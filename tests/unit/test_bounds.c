@@ -145,6 +145,32 @@ static struct truth_density draw_density(struct mp_request *request, uint64_t *s
 	return d;
 }
 
+/* Turned, sheared, mirrored, flattened to a thousandth, far away; not quite singular at times. */
+static void draw_map(struct mp_request *request, uint64_t *state)
+{
+	double size = exp(random_between(state, -8, 8)), far = exp(random_between(state, -5, 15));
+	double(*row)[4] = request->transform;
+	struct mp_affine map;
+
+	request->has_transform = random_chance(state, 0.5);
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++)
+			row[i][k] = random_chance(state, 0.2) && i != k
+					? 0
+					: size * random_between(state, -1, 1);
+	for (int i = 0; i < 3; i++)
+		row[i][3] = random_chance(state, 0.5) ? far * random_between(state, -1, 1) : 0;
+	if (random_chance(state, 0.1))
+		for (int k = 0; k < 3; k++)
+			row[2][k] = row[1][k] + random_between(state, -1e-3, 1e-3) * row[0][k];
+	if (random_chance(state, 0.1)) /* only axes and signs change */
+		for (int i = 0; i < 3; i++)
+			for (int k = 0; k < 3; k++)
+				row[i][k] = k == (i + 1) % 3 ? (i == 2 ? -size : size) : 0;
+	request->has_transform =
+	    request->has_transform && mp_affine_set(&map, (const double(*)[4])row);
+}
+
 static void check_report(struct tally *t, struct truth *o, const struct mesh *mesh,
 			 const struct mp_request *request, bool narrow)
 {
@@ -174,7 +200,10 @@ static void check_mesh(struct tally t[2], struct truth *o, uint64_t *state)
 	mesh_random(&random, state);
 	if (random.mesh.count > 4 && random_chance(state, 0.02))
 		random.mesh.count--; /* open: it has an area */
-	truth_find(o, &random.mesh, &density);
+	draw_map(&request, state);
+	truth_find_mapped(o, &random.mesh,
+			  request.has_transform ? (const double(*)[4])request.transform : NULL,
+			  &density);
 	request.precision = MP_WISH_CERTIFIED;
 	check_report(&t[0], o, &random.mesh, &request, random.narrow);
 	request.precision = MP_WISH_PRECISION_AUTO;

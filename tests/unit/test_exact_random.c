@@ -127,31 +127,35 @@ static void check_mass(const struct oracle *o, const struct mp_exact *e,
 	mpq_clears(factor, exact, NULL);
 }
 
-/* The sum as a rational number, no rounding between. */
+/* As a rational number, no rounding between. */
+static void set_big(const struct mp_big *x, mpq_t out)
+{
+	mpq_set_ui(out, 0, 1);
+	if (x->sign == 0)
+		return;
+	mpz_import(mpq_numref(out), (size_t)x->n, -1, sizeof x->d[0], 0, 0, x->d);
+	if (x->sign < 0)
+		mpq_neg(out, out);
+	if (x->exponent > 0)
+		mpq_mul_2exp(out, out, (mp_bitcnt_t)x->exponent);
+	else
+		mpq_div_2exp(out, out, (mp_bitcnt_t)-x->exponent);
+}
+
 static void get_sum(const struct mp_exact *e, int i, mpq_t out)
 {
 	struct mp_big x;
 
 	mp_exact_get(e, i, &x);
-	mpq_set_ui(out, 0, 1);
-	if (x.sign == 0)
-		return;
-	mpz_import(mpq_numref(out), (size_t)x.n, -1, sizeof x.d[0], 0, 0, x.d);
-	if (x.sign < 0)
-		mpq_neg(out, out);
-	if (x.exponent > 0)
-		mpq_mul_2exp(out, out, (mp_bitcnt_t)x.exponent);
-	else
-		mpq_div_2exp(out, out, (mp_bitcnt_t)-x.exponent);
+	set_big(&x, out);
 }
 
 static void set_origin(const struct mp_exact *e, int k, mpq_t out)
 {
-	mpq_set_si(out, e->axis[k].origin, 1);
-	if (e->axis[k].exponent > 0)
-		mpq_mul_2exp(out, out, (mp_bitcnt_t)e->axis[k].exponent);
-	else
-		mpq_div_2exp(out, out, (mp_bitcnt_t)-e->axis[k].exponent);
+	struct mp_big x;
+
+	mp_exact_get_origin(e, k, &x);
+	set_big(&x, out);
 }
 
 /* integral of x_i*x_j about 0 from the sums about o: A2/120 + (A1i*oj + A1j*oi)/24 + A0*oi*oj/6 */
@@ -233,6 +237,41 @@ static void set_way(enum way way, const struct mp_mesh *mesh, struct mp_exact_gr
 		grid->q[v][0] = MP_EXACT_OFF;
 }
 
+/* Small whole numbers, changes of axes, any doubles, in turn; some of them singular. */
+static void draw_map(unsigned i, uint64_t *state, double row[3][4])
+{
+	static const enum exact_style STYLE[4] = {SMALL_INTEGERS, DOUBLES, DOUBLES, ANY_DOUBLE};
+
+	for (int k = 0; k < 12; k++)
+		row[k / 4][k % 4] = exact_coordinate(STYLE[i % 4], k % 3, state);
+	for (int k = 0; k < 12 && i % 8 == 2; k++)
+		if (k % 4 != (k / 4 + 1) % 3 && k % 4 != 3)
+			row[k / 4][k % 4] = 0;
+}
+
+static void check_mapped(const struct soup *soup, struct mp_exact *e, enum exact_style style,
+			 unsigned i, uint64_t *state)
+{
+	struct mp_exact_determinant det;
+	double row[3][4];
+	struct oracle o;
+	mpq_t exact;
+
+	draw_map(i, state, row);
+	mpq_init(exact);
+	oracle_determinant((const double(*)[4])row, exact);
+	mp_exact_determinant((const double(*)[4])row, &det);
+	assert_int_equal(det.sign, mpq_sgn(exact));
+	mpq_clear(exact);
+	if (det.sign == 0)
+		return;
+	oracle_init(&o);
+	oracle_find_mapped(&o, (const double(*)[9])soup->tri, soup->count, (const double(*)[4])row);
+	assert_int_equal(mp_exact_map(e, (const double(*)[4])row, NULL), 0);
+	check_all(&o, e, style, state);
+	oracle_clear(&o);
+}
+
 static void run(enum exact_style style, unsigned meshes)
 {
 	uint64_t state = 88172645463325252u + style;
@@ -259,6 +298,8 @@ static void run(enum exact_style style, unsigned meshes)
 				check_all(&o, &e, style, &state);
 			else
 				check_sums(&o, &e);
+			if (way == AS_FOUND)
+				check_mapped(&soup, &e, style, i, &state);
 			mp_exact_free(&e);
 			mp_exact_grid_free(&grid);
 		}

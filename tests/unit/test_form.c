@@ -247,7 +247,7 @@ static void options_stand_before_and_behind_the_file(void **state)
 	json = report("defects=5");
 	prints(json, "input",
 	       "{\"filename\":\"box.stl\",\"format\":\"stl-binary\",\"bytes\":684,"
-	       "\"unit\":\"m\"}");
+	       "\"unit\":\"m\",\"transform\":null}");
 	prints(json, "properties.mass", "3000");
 	prints(json, "properties.signed_volume", "-6");
 	assert_true(cJSON_IsArray(at(json, "properties.inertia.about_point")));
@@ -367,7 +367,7 @@ static void options_are_judged_as_in_the_query(void **state)
 		     {"", "unit", "mm\r\n", API_BAD_OPTION},
 		     {"", "unit", "", API_BAD_OPTION},
 		     {"", "density", "1e400", API_BAD_OPTION},
-		     {"", "weld", "1", API_OPTION_NOT_SUPPORTED},
+		     {"", "resolution", "1", API_OPTION_NOT_SUPPORTED},
 		     {"", "nonsense", "1", API_UNKNOWN_OPTION},
 		     {"mass=1", "density", "1", API_BAD_OPTION},
 		     {"unit=m", "density", "1e-320", API_BAD_OPTION}};

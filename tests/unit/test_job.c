@@ -220,7 +220,7 @@ static void the_box_of_the_contract_prints_as_there(void **state)
 	a = ask(&head, f.bytes, f.len, 17);
 	assert_int_equal(a.status, 200);
 	has(&a, "\"input\":{\"filename\":\"box.stl\",\"format\":\"stl-binary\",\"bytes\":684,"
-		"\"unit\":\"mm\"}");
+		"\"unit\":\"mm\",\"transform\":null}");
 	has(&a, "\"mesh\":{\"triangles\":12,\"polygons\":0,\"surfaces\":0,\"vertices\":8,"
 		"\"edges\":18,\"bodies\":1,\"euler_characteristic\":2,\"bounding_box\":"
 		"{\"min\":[0,0,0],\"max\":[40,30,20],\"size\":[40,30,20]}}");
@@ -233,7 +233,7 @@ static void the_box_of_the_contract_prints_as_there(void **state)
 		"\"centroid\":[20,15,10],");
 	has(&a, "\"about_origin\":[[28.08,-19.44,-12.96],[-19.44,43.2,-9.72],[-12.96,-9.72,54]],"
 		"\"about_centroid\":[[7.02,0,0],[0,10.8,0],[0,0,13.5]],\"about_point\":null,"
-		"\"about_axis\":null}");
+		"\"point\":null,\"about_axis\":null}");
 	has(&a, "\"moments\":[7.02,10.8,13.5],\"axes\":[[1,0,0],[0,1,0],[0,0,1]],"
 		"\"quaternion_wxyz\":[1,0,0,0],\"radii_of_gyration\":[10.408");
 	has(&a, "\"bodies\":[{\"triangles\":12,\"volume\":24000,");
@@ -528,7 +528,7 @@ static void options_are_judged_from_the_head(void **state)
 	cJSON_Delete(json);
 	assert_int_equal(verdict("mass=1&density=2", NULL, NULL), API_BAD_OPTION);
 	assert_int_equal(verdict("nope=1", NULL, NULL), API_UNKNOWN_OPTION);
-	assert_int_equal(verdict("weld=1", NULL, NULL), API_OPTION_NOT_SUPPORTED);
+	assert_int_equal(verdict("resolution=1", NULL, NULL), API_OPTION_NOT_SUPPORTED);
 	assert_int_equal(verdict("unit=mm", NULL, NULL), API_OK);
 	assert_int_equal(verdict(NULL, NULL, NULL), API_OK);
 }

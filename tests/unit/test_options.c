@@ -253,8 +253,6 @@ static void options_of_a_later_stage_take_their_default_alone(void **state)
 	later("checks=closed", "checks");
 	later("resolution=1e-6", "resolution");
 	later("include=facets,digest", "include");
-	later("transform=1,0,0,0,0,1,0,0,0,0,1,0", "transform");
-	later("transform=1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1", "transform");
 }
 
 static void options_of_a_later_stage_are_checked_all_the_same(void **state)
@@ -266,10 +264,44 @@ static void options_of_a_later_stage_are_checked_all_the_same(void **state)
 	bad("include=", "include");
 	bad("resolution=0", "resolution");
 	bad("density[a]=heavy", "density[a]");
+}
+
+static void a_transform_is_three_rows_or_four(void **state)
+{
+	struct api_options o = accepts("transform=1,2,3,4,5,6,7,8,9,10,12,-1.5e3");
+	struct mp_request request = {.has_transform = false};
+
+	(void)state;
+	api_options_request(&o, &request);
+	assert_true(request.has_transform);
+	assert_true(request.transform[0][3] == 4 && request.transform[1][0] == 5);
+	assert_true(request.transform[2][2] == 12 && request.transform[2][3] == -1500);
+	o = accepts("transform=1,2,3,4,5,6,7,8,9,10,12,-1.5e3,0,-0,0,1");
+	assert_memory_equal(o.transform, request.transform, sizeof o.transform);
+	assert_false(accepts("").has_transform);
 	bad("transform=1,2,3", "transform");
 	bad("transform=", "transform");
+	bad("transform=1,0,0,0,0,1,0,0,0,0,1", "transform");
+	bad("transform=1,0,0,0,0,1,0,0,0,0,1,0,0", "transform");
+	bad("transform=1,0,0,0,0,1,0,0,0,0,1,", "transform");
 	bad("transform=1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,2", "transform");
+	bad("transform=1,0,0,0,0,1,0,0,0,0,1,0,0,1e-300,0,1", "transform");
 	bad("transform=1,0,0,0,0,1,0,0,0,0,1,nan", "transform");
+	bad("transform=1,0,0,0,0,1e999,0,0,0,0,1,0", "transform");
+}
+
+/* 0.1*0.1 and 0.01 are not one: rounding decides nothing here. */
+static void a_transform_is_singular_exactly_or_not(void **state)
+{
+	(void)state;
+	bad("transform=1,0,0,0,0,1,0,0,0,0,0,0", "transform");
+	bad("transform=1,2,3,0,2,4,6,0,0,0,1,0", "transform");
+	bad("transform=0,0,0,1,0,0,0,1,0,0,0,1", "transform");
+	bad("transform=1e-200,0,0,0,0,1e-200,1e-200,0,0,1e-200,1e-200,0", "transform");
+	(void)accepts("transform=1e-200,0,0,0,0,1e-200,0,0,0,0,1e-200,0");
+	(void)accepts("transform=1e300,0,0,0,0,1e300,0,0,0,0,1e300,0");
+	(void)accepts("transform=0.1,0.01,0,0,1,0.1,0,0,0,0,1,0");
+	(void)accepts("transform=1,1,0,0,1,1.0000000000000002,0,0,0,0,1,0");
 }
 
 static void a_density_out_of_range_is_refused(void **state)
@@ -450,7 +482,7 @@ static void the_list_of_options_ends(void **state)
 	for (; api_option_name(n) != NULL; n++)
 		now += api_option_supported(n);
 	assert_int_equal(n, 22);
-	assert_int_equal(now, 17);
+	assert_int_equal(now, 18);
 	assert_null(api_option_name(n + 1000));
 	assert_false(api_option_supported(n));
 }
@@ -470,6 +502,8 @@ int main(void)
 	    cmocka_unit_test(exclusive_options_are_refused),
 	    cmocka_unit_test(options_of_a_later_stage_take_their_default_alone),
 	    cmocka_unit_test(options_of_a_later_stage_are_checked_all_the_same),
+	    cmocka_unit_test(a_transform_is_three_rows_or_four),
+	    cmocka_unit_test(a_transform_is_singular_exactly_or_not),
 	    cmocka_unit_test(a_density_out_of_range_is_refused),
 	    cmocka_unit_test(segments_are_split_as_forms_are),
 	    cmocka_unit_test(broken_escapes_and_bytes_are_refused),

@@ -191,7 +191,7 @@ static bool warns(const cJSON *json, const char *code)
 static const char contract_box[] =
     "{\"schema\":\"masspropd/1\",\"precision\":\"exact\","
     "\"input\":{\"filename\":\"box.stl\",\"format\":\"stl-binary\",\"bytes\":684,"
-    "\"unit\":\"mm\"},"
+    "\"unit\":\"mm\",\"transform\":null},"
     "\"units\":{\"length\":\"mm\",\"area\":\"mm2\",\"volume\":\"mm3\",\"mass\":\"kg\","
     "\"density\":\"kg/m3\",\"inertia\":\"kg.mm2\"},"
     "\"mesh\":{\"triangles\":12,\"polygons\":0,\"surfaces\":0,\"vertices\":8,\"edges\":18,"
@@ -210,7 +210,7 @@ static const char contract_box[] =
     "\"inertia\":{\"convention\":\"tensor: [0][1] = -integral of density*x*y\","
     "\"about_origin\":[[28.08,-19.44,-12.96],[-19.44,43.2,-9.72],[-12.96,-9.72,54]],"
     "\"about_centroid\":[[7.02,0,0],[0,10.8,0],[0,0,13.5]],"
-    "\"about_point\":null,\"about_axis\":null},"
+    "\"about_point\":null,\"point\":null,\"about_axis\":null},"
     "\"principal\":{\"moments\":[7.02,10.8,13.5],\"axes\":[[1,0,0],[0,1,0],[0,0,1]],"
     "\"quaternion_wxyz\":[1,0,0,0],\"radii_of_gyration\":[10.4083,12.9099,14.4338],"
     "\"symmetry\":\"none\"},\"volume_if_capped\":null,\"cap_area\":null,"
