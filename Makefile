@@ -1,5 +1,5 @@
 # masspropd: `make` builds build/masspropd, `make run` serves it, `make test` tests it, `make help`
-# lists the rest.  `run`, `test`, `check`, `fuzz` and `coverage` install what they lack (tests/deps).
+# lists the rest.  `run`, `test`, `bench`, `check`, `fuzz` and `coverage` install what they lack (tests/deps).
 #
 # CC=clang          another compiler           SANITIZE=address,undefined  in a folder of its own
 # CFLAGS='-O0 -g'   other optimisation         V=1                         show whole commands
@@ -78,7 +78,8 @@ unit      := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/unit/test_*.c))
 unit_help := $(call objects,$(filter-out tests/unit/test_%,$(wildcard tests/unit/*.c)))
 fuzz      := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 wrap      := $(if $(unit_help),-Wl$(comma)--wrap=malloc$(comma)--wrap=calloc$(comma)--wrap=realloc)
-tests     := $(unit) $(fuzz) $(BUILD)/sample/flange.stl
+bench     := $(addprefix $(BUILD)/tests/bench/,generate discard stages bare_draco)
+tests     := $(unit) $(fuzz) $(bench) $(BUILD)/sample/flange.stl
 
 # All cores, unless somebody said otherwise with -j.
 ifeq ($(MAKELEVEL),0)
@@ -152,6 +153,16 @@ $(BUILD)/tests/fuzz/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(filter %.o,$(fuzz_mai
 	$(call say,LD,$@)
 	$(Q)$(link) -o $@ $(filter-out %.o,$(fuzz_main)) $^ $(LDLIBS)
 
+# What `make bench` measures with: the solid in all formats, the server that only receives, the decoder
+# of others, single stages.
+$(BUILD)/tests/bench/generate: $(call objects,tests/bench/generate.c tests/bench/mesh.c)
+$(BUILD)/tests/bench/stages: $(call objects,tests/bench/stages.c tests/bench/mesh.c) $(libs)
+$(BUILD)/tests/bench/discard: $(BUILD)/tests/bench/discard.o
+$(BUILD)/tests/bench/bare_draco: $(BUILD)/tests/bench/bare_draco.o
+$(bench):
+	$(call say,LD,$@)
+	$(Q)$(link) -o $@ $^ $(LDLIBS)
+
 # The goals that install first call make again afterwards: what make found out about the compiler
 # was wrong before.
 run:
@@ -162,6 +173,10 @@ test:
 	@CC='$(CC)' tests/deps install test
 	@$(MAKE) all tests
 	@BUILD=$(BUILD) tests/run $(T)
+bench:
+	@CC='$(CC)' tests/deps install bench
+	@$(MAKE) all $(bench)
+	@BUILD=$(BUILD) tests/bench/run $(T)
 sample: all $(BUILD)/sample/flange.stl
 	@:
 tests: $(tests)
@@ -206,13 +221,14 @@ help:
 	@echo 'make test       install what is missing, build, run all tests'
 	@echo 'make check      layers, style, lint and spelling; parts: layers, lint, docs'
 	@echo 'make format     let clang-format rewrite the sources'
+	@echo 'make bench      measure speed, compare it (BENCH=quick: in about a minute)'
 	@echo 'make fuzz       run every fuzz target for TIME=60 seconds'
 	@echo 'make coverage   test coverage in build/coverage/html'
 	@echo 'make install    to $$DESTDIR$$PREFIX/bin (PREFIX=/usr/local)'
 	@echo 'make uninstall, make clean'
 
 FORCE:
-.PHONY: all run sample test tests check format lint layers docs fuzz fuzzers coverage install uninstall \
+.PHONY: all run sample test tests bench check format lint layers docs fuzz fuzzers coverage install uninstall \
 	clean help FORCE
 .SECONDARY:
 .DELETE_ON_ERROR:
