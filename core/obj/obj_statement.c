@@ -68,7 +68,7 @@ static bool is_control(char c)
 /* The first word of a line.  Only words without control characters are passed over. */
 static int unknown(struct obj *o, const char *word, size_t len, struct mp_error *err)
 {
-	if (word == o->word && len > OBJ_WORD_MOST)
+	if (len > OBJ_WORD_MOST) /* as many as are kept of one that came in pieces */
 		len = OBJ_WORD_MOST;
 	for (size_t i = 0; i < len; i++)
 		if (is_control(word[i]))

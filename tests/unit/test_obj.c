@@ -382,6 +382,23 @@ static void test_long_names_are_cut(void **state)
 	assert_int_equal(strlen(seen.names), 3 + MP_NAME_MAX + 1);
 }
 
+/* Words that are passed over are looked at as far as they are kept, whole or in pieces. */
+static void test_control_characters_in_unknown_words(void **state)
+{
+	char line[800] = "# \n"; /* the first 3 bytes of a file come in pieces always */
+
+	(void)state;
+	for (size_t at = 250; at < 262; at++) {
+		memset(line + 3, 'x', 600);
+		line[3 + at] = 1;
+		strcpy(line + 603, "\n" V4 "f 1 2 3\n");
+		if (at < 256)
+			refuse(line, strlen(line), MP_SYNTAX, 2);
+		else
+			accept(line, strlen(line));
+	}
+}
+
 static void test_nuls_at_the_end(void **state)
 {
 	(void)state;
@@ -610,6 +627,7 @@ int main(void)
 	    cmocka_unit_test(test_statements_that_are_refused),
 	    cmocka_unit_test(test_names),
 	    cmocka_unit_test(test_long_names_are_cut),
+	    cmocka_unit_test(test_control_characters_in_unknown_words),
 	    cmocka_unit_test(test_nuls_at_the_end),
 	    cmocka_unit_test(test_what_is_no_obj),
 	    cmocka_unit_test(test_files_without_faces),
