@@ -40,6 +40,7 @@ static enum api_code code_of(enum mp_code code)
 		return API_TOO_EXPENSIVE;
 	case MP_BAD_NAME:
 	case MP_BAD_MAP:
+	case MP_BAD_CHECKS:
 		return API_BAD_OPTION;
 	case MP_OK:
 	case MP_BUG:
@@ -95,6 +96,9 @@ static int refuse(const struct api_files *f, const struct mp_error *err, struct 
 					  "The option format=stl was given, but this seems to be "
 					  "a file of another format.");
 	say_which(f, which, sizeof which);
+	if (err->code == MP_BAD_CHECKS)
+		return api_problem_option(p, code, "checks", strlen("checks"), "%s%s.", which,
+					  err->text);
 	(void)api_problem_set(p, code, "%s%s: %s.", which, api_problem_title(code), err->text);
 	if (err->byte != MP_NO_BYTE)
 		p->byte = err->byte;

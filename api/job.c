@@ -62,6 +62,19 @@ int api_job_precheck(const struct api_job_head *head, struct api_problem *p)
 	return rc;
 }
 
+bool api_job_streams(const struct api_job_head *head)
+{
+	struct api_options options;
+	struct api_problem p;
+	bool streams;
+
+	api_options_init(&options);
+	streams = api_options_query(&options, head->query, head->query_len, &p) == 0 &&
+		  options.checks == MP_CHECKS_CLOSED;
+	api_options_free(&options);
+	return streams;
+}
+
 /* Move one string of the head to ${*room}, which is large enough. */
 static void keep(const char **string, size_t len, char **room)
 {
@@ -217,6 +230,10 @@ static int not_a_solid(struct api_job *j, const struct mp_report *r)
 	const struct mp_topology *t = &r->topology;
 	const char *why = "it encloses no volume";
 
+	if (r->streamed && !t->closed)
+		return api_problem_set(&j->problem, API_NOT_A_SOLID,
+				       "The mesh is not a solid: it is open, or its winding is not "
+				       "consistent; checks=full says where.");
 	if (t->boundary_edges > 0)
 		return api_problem_set(&j->problem, API_NOT_A_SOLID,
 				       "The mesh is not a solid: it is open, with %" PRIu64

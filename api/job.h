@@ -57,6 +57,12 @@ struct api_job;
  */
 int api_job_precheck(const struct api_job_head *, struct api_problem *p);
 
+/*
+ * Whether the query asks for work in constant memory (checks=closed), so that a body need not be
+ * kept anywhere.  What a form's fields ask for shows only later.  Of a head that has been checked.
+ */
+bool api_job_streams(const struct api_job_head *);
+
 /* Strings of ${head} are copied.  NULL: memory is out. */
 struct api_job *api_job_new(const struct api_job_head *head);
 

@@ -114,6 +114,13 @@ int api_named_check(const struct api_options *o, struct api_problem *p)
 		blame(p, list[0].text, list[0].len);
 		return -1;
 	}
+	if (o->named.count > 0 && o->checks == MP_CHECKS_CLOSED) {
+		(void)api_problem_set(p, API_BAD_OPTION,
+				      "checks=closed and density[NAME] exclude each other: the "
+				      "faces of a name cannot be told apart without a table.");
+		blame(p, list[0].text, list[0].len);
+		return -1;
+	}
 	for (uint32_t i = 0; i < o->named.count; i++) {
 		struct api_ratio density = in_file_units(o, i);
 

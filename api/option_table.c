@@ -181,10 +181,13 @@ static int set_weld(struct api_options *o, const struct api_value *v)
 
 static int set_checks(struct api_options *o, const struct api_value *v)
 {
-	static const char *const words[] = {"full", "closed"};
+	static const char *const words[] = {"full", "closed"}; /* enum mp_checks_wish */
+	unsigned which = 0;
 
-	(void)o;
-	return later_word(v, words, 2);
+	if (api_value_choice(v, words, 2, &which))
+		return -1;
+	o->checks = (enum mp_checks_wish)which;
+	return 0;
 }
 
 static int set_precision(struct api_options *o, const struct api_value *v)
@@ -234,7 +237,7 @@ const struct api_option_row api_option_rows[] = {
     {"weld", set_weld, false},
     {"bodies", set_bodies, false},
     {"defects", set_defects, false},
-    {"checks", set_checks, true},
+    {"checks", set_checks, false},
     {"precision", set_precision, false},
     {"resolution", set_resolution, true},
     {"include", set_include, true},

@@ -85,12 +85,38 @@ static int exclusive(struct api_problem *p, const char *one, const char *other)
 				  "%s and %s exclude each other: give one of them.", one, other);
 }
 
+static int not_with_closed(struct api_problem *p, const char *option, const char *what)
+{
+	return api_problem_option(p, API_BAD_OPTION, option, strlen(option),
+				  "checks=closed keeps no triangle, so there is no room for %s: "
+				  "leave one of the two options out.",
+				  what);
+}
+
+/* What checks=closed, which keeps no triangle, leaves no room for. */
+static int check_closed(const struct api_options *o, struct api_problem *p)
+{
+	if (o->checks != MP_CHECKS_CLOSED)
+		return 0;
+	if (o->format == MP_WISH_OBJ || o->format == MP_WISH_DRACO)
+		return api_problem_option(p, API_BAD_OPTION, "checks", strlen("checks"),
+					  "checks=closed is for STL files: it cannot go with "
+					  "another format.");
+	if (o->precision == MP_WISH_EXACT)
+		return not_with_closed(p, "precision", "exact numbers");
+	if (o->has_transform)
+		return not_with_closed(p, "transform", "an affine map");
+	if (o->weld > 0)
+		return not_with_closed(p, "weld", "welding");
+	return 0;
+}
+
 int api_options_check(const struct api_options *o, struct api_problem *p)
 {
 	const char *name = o->has_material ? "material" : "density";
 	struct api_ratio density;
 
-	if (api_named_check(o, p))
+	if (api_named_check(o, p) || check_closed(o, p))
 		return -1;
 	if (o->has_density && o->has_material)
 		return exclusive(p, "density", "material");
@@ -115,6 +141,7 @@ void api_options_request(const struct api_options *o, struct mp_request *out)
 	out->flip = o->flip;
 	out->weld = o->weld;
 	out->precision = o->precision;
+	out->checks = o->checks;
 	out->density_kind = MP_DENSITY_NONE;
 	out->density = 0;
 	out->density_divisor = 1;

@@ -50,6 +50,7 @@ struct api_options {
 	double about[3], axis[3], axis_origin[3];
 	bool flip, strict;
 	double weld; /* in the file's unit */
+	enum mp_checks_wish checks;
 	enum mp_precision_wish precision;
 	uint32_t bodies, defects;
 	struct api_sent sent;

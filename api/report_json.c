@@ -91,6 +91,23 @@ static void add_units(struct doc *d, cJSON *root)
 	}
 }
 
+/* What is known of a table of the triangles: null under checks=closed, which has none. */
+static void add_known(struct doc *d, cJSON *to, const char *name, uint64_t count)
+{
+	if (d->r->streamed)
+		api_json_null(&d->j, to, name);
+	else
+		api_json_count(&d->j, to, name, count);
+}
+
+static void add_verdict(struct doc *d, cJSON *to, const char *name, bool verdict)
+{
+	if (d->r->streamed)
+		api_json_null(&d->j, to, name);
+	else
+		api_json_bool(&d->j, to, name, verdict);
+}
+
 static void add_mesh(struct doc *d, cJSON *root)
 {
 	const struct mp_topology *t = &d->r->topology;
@@ -103,10 +120,13 @@ static void add_mesh(struct doc *d, cJSON *root)
 	api_json_count(&d->j, mesh, "triangles", d->r->triangles);
 	api_json_count(&d->j, mesh, "polygons", d->r->notes.polygons);
 	api_json_count(&d->j, mesh, "surfaces", 0);
-	api_json_count(&d->j, mesh, "vertices", t->vertices);
-	api_json_count(&d->j, mesh, "edges", t->edges);
-	api_json_count(&d->j, mesh, "bodies", t->bodies);
-	api_json_signed(&d->j, mesh, "euler_characteristic", t->euler);
+	add_known(d, mesh, "vertices", t->vertices);
+	add_known(d, mesh, "edges", t->edges);
+	add_known(d, mesh, "bodies", t->bodies);
+	if (d->r->streamed)
+		api_json_null(&d->j, mesh, "euler_characteristic");
+	else
+		api_json_signed(&d->j, mesh, "euler_characteristic", t->euler);
 	b = api_json_object(&d->j, mesh, "bounding_box");
 	api_json_vector(&d->j, b, "min", true, box->min, 3);
 	api_json_vector(&d->j, b, "max", true, box->max, 3);
@@ -119,6 +139,16 @@ static void add_solid(struct doc *d, cJSON *checks)
 		api_json_null(&d->j, checks, "solid");
 	else
 		api_json_bool(&d->j, checks, "solid", d->r->solid == MP_YES);
+}
+
+static void add_orientation(struct doc *d, cJSON *checks)
+{
+	const struct mp_report *r = d->r;
+
+	if (r->streamed && r->topology.closed && r->orientation == MP_ORIENTATION_NONE)
+		api_json_null(&d->j, checks, "orientation");
+	else
+		api_json_string(&d->j, checks, "orientation", api_orientation_word(r->orientation));
 }
 
 static void add_by_index(struct doc *d, cJSON *checks)
@@ -145,21 +175,21 @@ static void add_checks(struct doc *d, cJSON *root)
 	cJSON *c = api_json_object(j, root, "checks");
 
 	api_json_bool(j, c, "closed", t->closed);
-	api_json_bool(j, c, "watertight", t->watertight);
-	api_json_bool(j, c, "winding_consistent", t->winding_consistent);
-	api_json_string(j, c, "orientation", api_orientation_word(d->r->orientation));
+	add_verdict(d, c, "watertight", t->watertight);
+	add_verdict(d, c, "winding_consistent", t->winding_consistent);
+	add_orientation(d, c);
 	add_solid(d, c);
-	api_json_count(j, c, "boundary_edges", t->boundary_edges);
-	api_json_count(j, c, "boundary_loops", t->boundary_loops);
-	api_json_count(j, c, "non_manifold_edges", t->non_manifold_edges);
-	api_json_count(j, c, "non_manifold_vertices", t->non_manifold_vertices);
-	api_json_count(j, c, "misoriented_edges", t->misoriented_edges);
+	add_known(d, c, "boundary_edges", t->boundary_edges);
+	add_known(d, c, "boundary_loops", t->boundary_loops);
+	add_known(d, c, "non_manifold_edges", t->non_manifold_edges);
+	add_known(d, c, "non_manifold_vertices", t->non_manifold_vertices);
+	add_known(d, c, "misoriented_edges", t->misoriented_edges);
 	api_json_count(j, c, "degenerate_triangles", t->degenerate_triangles);
-	api_json_count(j, c, "duplicate_triangles", t->duplicate_triangles);
-	api_json_count(j, c, "duplicates_same", t->duplicate_triangles - t->opposite_duplicates);
-	api_json_count(j, c, "duplicates_opposite", t->opposite_duplicates);
-	api_json_count(j, c, "double_walls", t->double_walls);
-	api_json_count(j, c, "single_walls", t->single_walls);
+	add_known(d, c, "duplicate_triangles", t->duplicate_triangles);
+	add_known(d, c, "duplicates_same", t->duplicate_triangles - t->opposite_duplicates);
+	add_known(d, c, "duplicates_opposite", t->opposite_duplicates);
+	add_known(d, c, "double_walls", t->double_walls);
+	add_known(d, c, "single_walls", t->single_walls);
 	api_json_count(j, c, "normals_disagreeing", d->r->notes.normals_disagreeing);
 	if (d->r->overlapping == MP_NO)
 		api_json_count(j, c, "overlapping_bodies", 0);
@@ -293,9 +323,14 @@ static void add_defects(struct doc *d, cJSON *root)
 	    [MP_DEFECT_DEGENERATE_TRIANGLE] = "degenerate_triangles",
 	    [MP_DEFECT_DUPLICATE_TRIANGLE] = "duplicate_triangles",
 	};
-	cJSON *defects = api_json_object(&d->j, root, "defects");
+	cJSON *defects;
 	size_t left = MOST_DEFECT_TEXT;
 
+	if (d->r->streamed) {
+		api_json_null(&d->j, root, "defects");
+		return;
+	}
+	defects = api_json_object(&d->j, root, "defects");
 	for (int k = 0; k < MP_DEFECT_KINDS; k++) {
 		struct api_text t = {0};
 
@@ -339,7 +374,10 @@ char *api_report_json(const struct mp_report *report, const struct api_options *
 	add_properties(&d, root);
 	add_bounds(&d, root);
 	api_uncertainty_add(&d.j, root, report);
-	api_bodies_text(report, &bodies);
+	if (report->streamed)
+		api_text_say(&bodies, "null");
+	else
+		api_bodies_text(report, &bodies);
 	api_json_text(&d.j, root, "bodies", &bodies);
 	add_defects(&d, root);
 	add_tail(&d, root, timing);

@@ -157,7 +157,7 @@ static void put_verdict(struct table *t)
 	api_text_say(&t->out, cJSON_IsTrue(at(checks, "closed")) ? ": closed" : ": not closed");
 	if (cJSON_IsTrue(at(checks, "watertight")))
 		api_text_say(&t->out, ", watertight");
-	if (!cJSON_IsTrue(at(checks, "winding_consistent")))
+	if (cJSON_IsFalse(at(checks, "winding_consistent")))
 		api_text_say(&t->out, ", winding not consistent");
 	api_text_say(&t->out, ", orientation ");
 	put_string(t, at(checks, "orientation"));

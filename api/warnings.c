@@ -69,7 +69,7 @@ static const struct api_warning rows[WARNINGS] = {
 			     "were meant to be geometry, it is missing here."},
     [MP_WARN_SEVERAL_SOLIDS] =
 	{"several_solids", "The file holds several solids. They are taken together as one part; "
-			   "the list of bodies has their separate figures."},
+			   "the list of bodies, if any, has their separate figures."},
     [MP_WARN_NESTING_UNDECIDED] =
 	{"nesting_undecided", "It was not decided which bodies lie inside which, so it is not "
 			      "known whether some volume counts twice. Each body's own figures do "
@@ -106,6 +106,10 @@ static const struct api_warning rows[WARNINGS] = {
 	 "area counts both sides. A single wall leaves edges with an odd number of triangles: the "
 	 "mesh is not closed, and volume, mass, centroid and inertia are not given until it is "
 	 "removed."},
+    [MP_WARN_NOT_CLOSED] =
+	{"not_closed", "The surface has holes, or its winding is not consistent: volume, mass, "
+		       "centroid and inertia are not given. Send the file again with checks=full "
+		       "to see where, and whether these are only cracks of no width."},
     [UNIT_ASSUMED] =
 	{"unit_assumed",
 	 "No unit was given and the file does not say one, so its numbers were taken as "

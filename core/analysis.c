@@ -3,7 +3,9 @@
 
 #include "core/analysis_state.h"
 #include "core/bodies/named.h"
+#include "core/geometry/predicates.h"
 #include "core/notes.h"
+#include "core/report/report_parts.h"
 
 /* Triangle numbers are uint32_t and UINT32_MAX means none. */
 #define MOST_TRIANGLES (UINT32_MAX - 1)
@@ -42,6 +44,40 @@ static int reserve(struct mp_analysis *a, size_t count, struct mp_error *err)
 		return mp_fail_nomem(err);
 	a->tri = new;
 	a->room = room;
+	return 0;
+}
+
+/* Has some triangle three different corners?  The first one nearly always. */
+static bool has_edges(const double (*tri)[9], size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		unsigned same = 0;
+
+		for (size_t k = 0; k < 9; k += 3) {
+			const double *p = tri[i] + k, *q = tri[i] + (k + 3) % 9;
+
+			same += p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+		}
+		if (same == 0)
+			return true;
+	}
+	return false;
+}
+
+/* While the block is in the first-level cache: everything that is ever done with it. */
+static int stream_block(void *self, const double (*tri)[9], size_t count, struct mp_error *err)
+{
+	struct mp_analysis *a = self;
+
+	if (count > MP_FINGERPRINT_MOST - a->triangles)
+		return mp_fail_limit(err, MP_NO_BYTE, MP_FINGERPRINT_MOST, a->triangles + count,
+				     "more than %llu triangles",
+				     (unsigned long long)MP_FINGERPRINT_MOST);
+	mp_moments_add(&a->moments, tri, count);
+	mp_fingerprint_add(&a->fingerprint, tri, count);
+	a->degenerate += mp_collinear_count(tri, count);
+	a->edges = a->edges || has_edges(tri, count);
+	a->triangles += count;
 	return 0;
 }
 
@@ -100,6 +136,9 @@ static int take_indices(void *self, const uint32_t (*tri)[3], size_t count, stru
 
 static int begin(struct mp_analysis *a, enum mp_format_wish format, struct mp_error *err)
 {
+	if (a->streamed && format != MP_WISH_STL)
+		return mp_report_no_stream(err);
+	a->not_stl = a->not_stl || format != MP_WISH_STL;
 	a->decoder = mp_format_decoder(format);
 	return a->decoder->begin(&a->state, &a->sink, &a->request.limits, &a->notes, err);
 }
@@ -122,9 +161,14 @@ struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_
 				   .material = take_material,
 				   .object = take_object};
 	mp_moments_begin(&a->moments);
-	a->vertices = mp_vertices_new(request->key, err);
-	if (a->vertices == NULL)
+	a->streamed = request->checks == MP_CHECKS_CLOSED;
+	if (a->streamed) {
+		a->sink = (struct mp_sink){.block = stream_block, .self = a};
+		a->request.limits.max_triangles = MP_FINGERPRINT_MOST;
+		mp_fingerprint_begin(&a->fingerprint, request->key);
+	} else if ((a->vertices = mp_vertices_new(request->key, err)) == NULL) {
 		goto err1;
+	}
 	if (request->format != MP_WISH_AUTO && begin(a, request->format, err))
 		goto err1;
 	return a;
@@ -198,10 +242,12 @@ int mp_analysis_end(struct mp_analysis *a, struct mp_error *err)
 	if (end_file(a, err))
 		return -1;
 	a->notes = a->before;
+	a->ended = true;
+	if (a->streamed)
+		return 0;
 	mp_vertices_seal(a->vertices);
 	if (mp_index_find(&a->index, mp_vertices_count(a->vertices), &a->by_index, err))
 		return -1;
-	a->ended = true;
 	return 0;
 }
 

@@ -8,6 +8,7 @@
 
 enum mp_format_wish { MP_WISH_AUTO, MP_WISH_STL, MP_WISH_OBJ, MP_WISH_DRACO };
 enum mp_precision_wish { MP_WISH_PRECISION_AUTO, MP_WISH_CERTIFIED, MP_WISH_EXACT };
+enum mp_checks_wish { MP_CHECKS_FULL, MP_CHECKS_CLOSED };
 enum mp_density_kind { MP_DENSITY_NONE, MP_DENSITY_GIVEN, MP_DENSITY_FROM_MASS };
 
 /* The density of the faces under a name; the numbers are as the request's density, density_divisor
@@ -27,6 +28,12 @@ struct mp_request {
 	struct mp_limits limits;
 	bool flip;
 	double weld; /* [L] vertices nearer than this are one; 0: identical coordinates */
+	/*
+	 * CLOSED: STL only, else MP_BAD_CHECKS.  Nothing is kept of a triangle: memory does not
+	 * grow with the file, limits.max_triangles does not apply, and the report has what can be
+	 * said so.  No names with densities, no exact precision, no welding, no map.
+	 */
+	enum mp_checks_wish checks;
 	enum mp_precision_wish precision; /* AUTO: exact where that costs under a millisecond */
 	enum mp_density_kind density_kind;
 	double density; /* GIVEN: [M/L^3] times density_divisor, FROM_MASS: the mass [M] */
@@ -79,7 +86,7 @@ int mp_analysis_end(struct mp_analysis *, struct mp_error *err);
 /*
  * What the mesh is: fills ${out}, which then owns its arrays until mp_report_free().
  * ${request} may differ from the one at the beginning in everything but format, key and limits
- * (options may follow the file in a form).
+ * (options may follow the file in a form), and it may ask for fewer checks, never for more.
  */
 int mp_analysis_report(struct mp_analysis *, const struct mp_request *request,
 		       struct mp_report *out, struct mp_error *err);

@@ -3,6 +3,7 @@
 
 #include "core/analysis.h"
 #include "core/bodies/parts.h"
+#include "core/fingerprint/fingerprint.h"
 #include "core/format.h"
 #include "core/moments/moments.h"
 #include "core/topology/index.h"
@@ -21,6 +22,11 @@ struct mp_analysis {
 	size_t head_len;
 
 	struct mp_moments moments; /* the sums, as in the file (not flipped) */
+	bool not_stl;              /* some file was for another decoder */
+	bool streamed; /* checks=closed: of all below, up to names, only triangles is used */
+	struct mp_fingerprint fingerprint; /* if streamed */
+	uint64_t degenerate;               /* if streamed */
+	bool edges;                        /* if streamed: some triangle has three corners */
 	struct mp_vertices *vertices;
 	uint32_t (*tri)[3];
 	uint64_t

@@ -19,6 +19,7 @@ enum mp_code {
 	MP_NOMEM,       /* an allocation failed */
 	MP_BAD_NAME,    /* named densities do not fit the file: limit and actual are set */
 	MP_BAD_MAP,     /* the request's affine map is singular or takes the mesh out of range */
+	MP_BAD_CHECKS,  /* the checks that were asked for are not for files of this format */
 	MP_BUG          /* our own fault */
 };
 

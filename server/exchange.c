@@ -195,10 +195,11 @@ static void outgrown(struct srv_exchange *ex, double now)
 {
 	bool fast = (double)ex->received >= fast_rate * (now - ex->first_byte);
 	bool idle = srv_pool_has_idle(&ex->front->pool);
+	bool fits = srv_body_fits(&ex->body);
 
 	/* From a queue on nothing is read until a worker takes it: no memory is needed meanwhile.
 	 */
-	if ((fast && (ex->body.fd < 0 || idle)) || (idle && !srv_body_fits(&ex->body))) {
+	if ((fast && (ex->body.fd < 0 || idle)) || (!fits && (idle || ex->streams))) {
 		ex->small = false;
 		enqueue(ex);
 	}
@@ -236,7 +237,7 @@ ssize_t srv_exchange_bytes(struct srv_exchange *ex, const uint8_t *bytes, size_t
 		ex->first_byte = now;
 	unblock(ex, now);
 	if (!ex->answered && ex->worker == NULL && !ex->queued &&
-	    ex->body.len + len > SRV_BODY_SMALL)
+	    (ex->body.len + len > SRV_BODY_SMALL || (ex->streams && !srv_body_fits(&ex->body))))
 		outgrown(ex, now);
 	if (ex->queued)
 		return 0;

@@ -64,6 +64,7 @@ struct srv_exchange {
 	enum srv_endpoint endpoint;
 	bool head_seen, expects_body, expects_continue;
 	bool inside;     /* from the listener for /metrics and the probes */
+	bool streams;    /* its worker keeps nothing of it, so a body larger than memory may come */
 	bool distrusted; /* nobody knows where its body ends: it is not read */
 
 	struct srv_body body;

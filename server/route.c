@@ -163,6 +163,7 @@ static void mass_properties(struct srv_exchange *ex, const struct srv_head *h, u
 		srv_exchange_problem(ex, &p);
 		return;
 	}
+	ex->streams = api_job_streams(&head);
 	if (length != API_NONE && !srv_pool_accepts(&f->pool, length <= SRV_BODY_SMALL)) {
 		ex->small = length <= SRV_BODY_SMALL;
 		refuse(ex, API_QUEUE_FULL, "as many requests are waiting as may wait");

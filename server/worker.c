@@ -183,13 +183,18 @@ static struct api_job *begin(struct worker *w)
 	return api_job_new(&head);
 }
 
+/* Closes ${spool} once it is read: what comes behind it through the ring may take its time. */
 static void work(struct worker *w, int spool)
 {
 	struct api_job *job = begin(w);
+	bool fed;
 
 	if (job == NULL)
 		_exit(SRV_EXIT_NO_MEMORY); /* a fresh process is the best answer */
-	if ((w->segment->words.spooled == 0 || feed_spooled(w, job, spool)) && feed_ring(w, job)) {
+	fed = w->segment->words.spooled == 0 || feed_spooled(w, job, spool);
+	if (spool >= 0)
+		close(spool);
+	if (fed && feed_ring(w, job)) {
 		answer(w, job);
 	} else {
 		api_job_free(job);
@@ -213,7 +218,7 @@ void srv_worker_run(const struct srv_config *config, int sock, struct srv_segmen
 
 		if (hear(&w, &spool) == SRV_MSG_JOB)
 			work(&w, spool);
-		if (spool >= 0)
+		else if (spool >= 0)
 			close(spool);
 	}
 }

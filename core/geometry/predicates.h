@@ -1,6 +1,8 @@
 #ifndef MP_PREDICATES_H
 #define MP_PREDICATES_H
 
+#include <stddef.h>
+
 /*
  * Signs that are never wrong: a floating-point filter first, exact arithmetic where it cannot
  * decide (Shewchuk 1997, doi:10.1007/PL00009321; GMP rationals as the last resort).  Arguments are
@@ -18,5 +20,8 @@ int mp_orient3d(const double a[3], const double b[3], const double c[3], const d
 
 /* 1 if the three points lie on one line (or coincide), else 0. */
 int mp_collinear(const double a[3], const double b[3], const double c[3]);
+
+/* How many of ${count} triangles (struct mp_sink's form) have their corners on one line. */
+size_t mp_collinear_count(const double (*tri)[9], size_t count);
 
 #endif

@@ -27,7 +27,7 @@ static void take_mesh(struct mp_analysis *a, const struct mp_request *request, s
 	a->ended = false;
 	if (!request->flip)
 		return;
-	for (uint32_t i = 0; i < r->triangles; i++) {
+	for (uint32_t i = 0; r->tri != NULL && i < r->triangles; i++) {
 		uint32_t second = r->tri[i][1];
 
 		r->tri[i][1] = r->tri[i][2];
@@ -105,10 +105,25 @@ static void set_inertia(const struct mp_request *request, const struct mp_solid 
 				    mp_mass_ball(whole, density));
 }
 
+void mp_report_warn_file(struct mp_report *r)
+{
+	const struct mp_notes *n = &r->notes;
+
+	mp_warn(r, MP_WARN_ZERO_VOLUME, r->total.volume_defined && r->total.volume == 0);
+	mp_warn(r, MP_WARN_DEGENERATE, r->topology.degenerate_triangles > 0);
+	mp_warn(r, MP_WARN_NORMALS, n->normals_disagreeing > 0);
+	mp_warn(r, MP_WARN_TRAILING_BYTES, n->trailing_bytes > 0);
+	mp_warn(r, MP_WARN_MISSING_END, n->missing_endsolid > 0);
+	mp_warn(r, MP_WARN_NONSTANDARD, n->nonstandard_lines > 0);
+	mp_warn(r, MP_WARN_SEVERAL_SOLIDS, n->parts > 1);
+	mp_warn(r, MP_WARN_NONPLANAR, n->nonplanar_polygons > 0);
+	mp_warn(r, MP_WARN_TANGLED, n->tangled_polygons > 0);
+	mp_warn(r, MP_WARN_NUL_BYTES, n->nul_bytes > 0);
+}
+
 static void warn(struct mp_report *r)
 {
 	const struct mp_topology *t = &r->topology;
-	const struct mp_notes *n = &r->notes;
 	bool undefined = !mp_has_volume(t);
 
 	mp_warn(r, MP_WARN_OPEN, undefined && t->boundary_edges > 0);
@@ -119,18 +134,9 @@ static void warn(struct mp_report *r)
 	mp_warn(r, MP_WARN_CRACKS, !t->closed && t->cracks_only);
 	mp_warn(r, MP_WARN_NON_MANIFOLD, t->non_manifold_edges > 0);
 	mp_warn(r, MP_WARN_NON_MANIFOLD_VERTEX, t->non_manifold_vertices > 0);
-	mp_warn(r, MP_WARN_ZERO_VOLUME, r->total.volume_defined && r->total.volume == 0);
-	mp_warn(r, MP_WARN_DEGENERATE, t->degenerate_triangles > 0);
 	mp_warn(r, MP_WARN_DUPLICATE, t->duplicate_triangles > 0);
 	mp_warn(r, MP_WARN_DEFECTS_TRUNCATED, t->truncated);
-	mp_warn(r, MP_WARN_NORMALS, n->normals_disagreeing > 0);
-	mp_warn(r, MP_WARN_TRAILING_BYTES, n->trailing_bytes > 0);
-	mp_warn(r, MP_WARN_MISSING_END, n->missing_endsolid > 0);
-	mp_warn(r, MP_WARN_NONSTANDARD, n->nonstandard_lines > 0);
-	mp_warn(r, MP_WARN_SEVERAL_SOLIDS, n->parts > 1);
-	mp_warn(r, MP_WARN_NONPLANAR, n->nonplanar_polygons > 0);
-	mp_warn(r, MP_WARN_TANGLED, n->tangled_polygons > 0);
-	mp_warn(r, MP_WARN_NUL_BYTES, n->nul_bytes > 0);
+	mp_report_warn_file(r);
 }
 
 /*
@@ -166,9 +172,9 @@ static void set_total(const struct mp_solid *whole, const struct mp_solid *heavy
 	mp_warn(r, MP_WARN_OUT_OF_RANGE, !fits);
 }
 
-static void set_masses(const struct mp_request *request, const struct mp_mesh *mesh,
-		       const struct mp_named *named, const struct mp_box *box,
-		       struct mp_solid *whole, struct mp_density *density, struct mp_report *r)
+void mp_report_masses(const struct mp_request *request, const struct mp_mesh *mesh,
+		      const struct mp_named *named, const struct mp_box *box,
+		      struct mp_solid *whole, struct mp_density *density, struct mp_report *r)
 {
 	const struct mp_solid *heavy = whole;
 	bool closed = mp_has_volume(&r->topology);
@@ -217,7 +223,7 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 		r->by_index = a->by_index;
 	mp_index_compare(&r->by_index, &r->topology);
 	stored = whole;
-	set_masses(request, &mesh, named, &box, &whole, &density, r);
+	mp_report_masses(request, &mesh, named, &box, &whole, &density, r);
 	if (mp_report_exact_whole(x, request, &mesh, bodies, r, err) ||
 	    mp_report_uncertainty(request, &mesh, &box, &stored, r, err))
 		return -1;
@@ -243,11 +249,14 @@ int mp_analysis_report(struct mp_analysis *a, const struct mp_request *request,
 		return mp_fail(err, MP_BUG, MP_NO_BYTE, "a report without an ended file");
 	}
 	take_mesh(a, request, out);
-	ret = mp_report_map_begin(request, out, err);
-	if (ret == 0)
-		ret = mp_repair(request, a->request.key, out, &a->moments, err);
-	if (ret == 0)
-		ret = fill(a, request, out, &named, &bodies, &exact, err);
+	if (request->checks == MP_CHECKS_CLOSED)
+		ret = mp_report_streamed(a, request, out, err);
+	else
+		ret = mp_report_map_begin(request, out, err) ||
+			      mp_repair(request, a->request.key, out, &a->moments, err) ||
+			      fill(a, request, out, &named, &bodies, &exact, err)
+			  ? -1
+			  : 0;
 	mp_report_exact_free(&exact);
 	mp_bodies_free(&bodies);
 	mp_named_free(&named);

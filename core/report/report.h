@@ -51,6 +51,7 @@ enum mp_warning {
 	MP_WARN_NUL_BYTES,           /* text that ends with NUL characters */
 	MP_WARN_WELD_UNDECIDED,      /* some vertices nearer than weld may be apart still */
 	MP_WARN_INTERNAL_WALLS,      /* walls of no thickness, double or single */
+	MP_WARN_NOT_CLOSED,          /* checks=closed: volume undefined, the place is not known */
 	MP_WARNINGS
 };
 
@@ -122,6 +123,12 @@ struct mp_capped {
 
 struct mp_report {
 	struct mp_notes notes;
+	/*
+	 * checks=closed: there are no vertices, triangles and bodies; of the topology only closed
+	 * and degenerate_triangles are known; OUTWARD and INWARD are the sign of the whole volume,
+	 * and NONE with closed means that the sign is not known.
+	 */
+	bool streamed;
 	/* As in the file, whatever the request's map; mp_report_vertex() shows them. */
 	struct mp_vertices *vertices;
 	uint32_t (*tri)[3];

@@ -29,6 +29,24 @@ void mp_report_map_whole(const struct mp_report *report, const struct mp_mesh *m
 			 const struct mp_box *box, struct mp_solid *whole, struct mp_solid *heavy);
 void mp_report_map_bodies(const struct mp_report *report, const struct mp_mesh *mesh,
 			  struct mp_bodies *bodies);
+/* MP_BAD_CHECKS: checks=closed is for STL files; always -1. */
+int mp_report_no_stream(struct mp_error *err);
+
+/*
+ * Volume, mass, inertia and the like of the whole, by report->topology.closed and cracks_only.
+ * ${named}: all 0 where names have no densities.  ${*density}: what makes masses of volumes.
+ * ${mesh} and ${box}, of the file, may be NULL where there is no map; else ${*whole} is mapped.
+ */
+void mp_report_masses(const struct mp_request *request, const struct mp_mesh *mesh,
+		      const struct mp_named *named, const struct mp_box *box,
+		      struct mp_solid *whole, struct mp_density *density, struct mp_report *report);
+
+/* Warnings that need no table. */
+void mp_report_warn_file(struct mp_report *report);
+
+/* The whole report of ${a} under checks=closed, but for what take_mesh() did. */
+int mp_report_streamed(const struct mp_analysis *a, const struct mp_request *request,
+		       struct mp_report *report, struct mp_error *err);
 
 /* Exact numbers beside the certified ones; all 0 is ready. */
 struct mp_report_exact {

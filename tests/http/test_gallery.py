@@ -291,6 +291,14 @@ def warning_internal_walls(d):
           "duplicates_opposite": 1}, volume=48000)
 
 
+def warning_not_closed(d):
+    a = post(d, NO_LID, "unit=mm&checks=closed")
+    check("a box without its lid, looked at without a table", a.status == 200
+          and {w["code"] for w in a.json["warnings"]} == {"not_closed"}
+          and a.json["checks"]["closed"] is False and a.json["properties"]["volume"] is None
+          and a.json["checks"]["closure_defect"] == [0, 0, -1200] and a.json["defects"] is None, a)
+
+
 def warning_unit_assumed(d):
     show("a mesh without a unit", post(d, BOX, ""), {"unit_assumed"}, {}, volume=24000)
 

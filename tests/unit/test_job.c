@@ -533,6 +533,24 @@ static void options_are_judged_from_the_head(void **state)
 	assert_int_equal(verdict(NULL, NULL, NULL), API_OK);
 }
 
+static bool streams(const char *query)
+{
+	struct api_job_head head = head_of(query);
+
+	return api_job_streams(&head);
+}
+
+static void the_query_says_whether_a_body_streams(void **state)
+{
+	(void)state;
+	assert_true(streams("unit=mm&checks=closed&density=3"));
+	assert_true(streams("check%73=close%64"));
+	assert_false(streams("checks=full"));
+	assert_false(streams("checks=closed&nope=1")); /* refused anyway */
+	assert_false(streams(""));
+	assert_false(streams(NULL));
+}
+
 static void media_types_are_those_of_the_contract(void **state)
 {
 	static const char *const good[] = {"model/stl",
@@ -748,6 +766,7 @@ int main(void)
 	    cmocka_unit_test(a_forced_format_is_taken_at_its_word),
 	    cmocka_unit_test(limits_are_named_with_both_figures),
 	    cmocka_unit_test(options_are_judged_from_the_head),
+	    cmocka_unit_test(the_query_says_whether_a_body_streams),
 	    cmocka_unit_test(media_types_are_those_of_the_contract),
 	    cmocka_unit_test(codings_are_those_of_the_contract),
 	    cmocka_unit_test(a_job_may_be_left_at_any_time),

@@ -245,12 +245,31 @@ static void exclusive_options_are_refused(void **state)
 	bad("material=water&mass=1", "mass");
 }
 
+static void closed_checks_exclude_what_needs_a_table(void **state)
+{
+	struct mp_request r;
+	struct api_options o = accepts("checks=closed&format=stl&precision=certified&bodies=3");
+
+	(void)state;
+	api_options_request(&o, &r);
+	assert_int_equal(r.checks, MP_CHECKS_CLOSED);
+	(void)accepts("checks=closed&precision=auto&format=auto");
+	bad("checks=closed&precision=exact", "precision");
+	bad("density[a]=1&checks=closed", "density[a]");
+	bad("checks=closed&weld=1e-3", "weld");
+	bad("checks=closed&transform=1,0,0,0,0,1,0,0,0,0,1,0", "transform");
+	(void)accepts("checks=closed&weld=0");
+	bad("checks=closed&format=obj", "checks");
+	bad("format=drc&checks=closed", "checks");
+	bad("checks=open", "checks");
+	(void)accepts("checks=full&precision=exact&density[a]=1&format=stl");
+}
+
 static void options_of_a_later_stage_take_their_default_alone(void **state)
 {
 	(void)state;
 	(void)accepts("orient=keep&checks=full&precision=auto&resolution=1e-9");
 	later("orient=fix", "orient");
-	later("checks=closed", "checks");
 	later("resolution=1e-6", "resolution");
 	later("include=facets,digest", "include");
 }
@@ -482,7 +501,7 @@ static void the_list_of_options_ends(void **state)
 	for (; api_option_name(n) != NULL; n++)
 		now += api_option_supported(n);
 	assert_int_equal(n, 22);
-	assert_int_equal(now, 18);
+	assert_int_equal(now, 19);
 	assert_null(api_option_name(n + 1000));
 	assert_false(api_option_supported(n));
 }
@@ -500,6 +519,7 @@ int main(void)
 	    cmocka_unit_test(repeated_options_are_refused),
 	    cmocka_unit_test(unknown_options_are_refused_by_name),
 	    cmocka_unit_test(exclusive_options_are_refused),
+	    cmocka_unit_test(closed_checks_exclude_what_needs_a_table),
 	    cmocka_unit_test(options_of_a_later_stage_take_their_default_alone),
 	    cmocka_unit_test(options_of_a_later_stage_are_checked_all_the_same),
 	    cmocka_unit_test(a_transform_is_three_rows_or_four),
