@@ -12,15 +12,13 @@
  */
 #define EPS 0x1p-53
 
-enum { UNSURE = 2 };
-
 static int sign(double x)
 {
 	return (x > 0) - (x < 0);
 }
 
 /*
- * orient2d where rounding cannot matter, else UNSURE.  The sign of a difference of doubles is
+ * orient2d where rounding cannot matter, else MP_UNSURE.  The sign of a difference of doubles is
  * always exact (gradual underflow), hence so are the signs of the two products; only where both
  * are the same does the magnitude decide.
  */
@@ -38,14 +36,19 @@ static int filter2d(double ax, double ay, double bx, double by, double cx, doubl
 	/* The differences may be infinite: the comparisons below are then false. */
 	if (sum > 0x1p-960 && sum < 0x1p1020 && fabs(left - right) > 4 * EPS * sum)
 		return sign(left - right);
-	return UNSURE;
+	return MP_UNSURE;
+}
+
+int mp_orient2d_filter(const double a[2], const double b[2], const double c[2])
+{
+	return filter2d(a[0], a[1], b[0], b[1], c[0], c[1]);
 }
 
 int mp_orient2d(const double a[2], const double b[2], const double c[2])
 {
 	int s = filter2d(a[0], a[1], b[0], b[1], c[0], c[1]);
 
-	return s != UNSURE ? s : mp_exact_orient2d(a, b, c);
+	return s != MP_UNSURE ? s : mp_exact_orient2d(a, b, c);
 }
 
 static bool same(const double a[3], const double b[3])
@@ -63,7 +66,7 @@ static bool plainly_coplanar(const double a[3], const double b[3], const double 
 	return same(a, b) || same(a, c) || same(b, c) || same(d, a) || same(d, b) || same(d, c);
 }
 
-int mp_orient3d(const double a[3], const double b[3], const double c[3], const double d[3])
+int mp_orient3d_filter(const double a[3], const double b[3], const double c[3], const double d[3])
 {
 	double u[3], v[3], w[3], det = 0, sum = 0, largest = 0;
 
@@ -84,9 +87,14 @@ int mp_orient3d(const double a[3], const double b[3], const double c[3], const d
 	/* An underflow in left or right, 2^-1075, is multiplied by w: hence both limits. */
 	if (sum > 0x1p-700 && largest < 0x1p300 && fabs(det) > 8 * EPS * sum)
 		return sign(det);
-	if (plainly_coplanar(a, b, c, d))
-		return 0;
-	return mp_exact_orient3d(a, b, c, d);
+	return plainly_coplanar(a, b, c, d) ? 0 : MP_UNSURE;
+}
+
+int mp_orient3d(const double a[3], const double b[3], const double c[3], const double d[3])
+{
+	int s = mp_orient3d_filter(a, b, c, d);
+
+	return s != MP_UNSURE ? s : mp_exact_orient3d(a, b, c, d);
 }
 
 int mp_collinear(const double a[3], const double b[3], const double c[3])

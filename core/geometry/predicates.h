@@ -18,6 +18,14 @@ int mp_orient2d(const double a[2], const double b[2], const double c[2]);
  */
 int mp_orient3d(const double a[3], const double b[3], const double c[3], const double d[3]);
 
+/*
+ * The same by the filter alone, for callers who count what exact arithmetic costs: MP_UNSURE where
+ * the filter cannot tell.
+ */
+enum { MP_UNSURE = 2 };
+int mp_orient2d_filter(const double a[2], const double b[2], const double c[2]);
+int mp_orient3d_filter(const double a[3], const double b[3], const double c[3], const double d[3]);
+
 /* 1 if the three points lie on one line (or coincide), else 0. */
 int mp_collinear(const double a[3], const double b[3], const double c[3]);
 
