@@ -201,6 +201,10 @@ fuzz:
 	@$(MAKE) CC=clang SANITIZE=fuzzer-no-link,address,undefined fuzzers
 	@tests/fuzz/run build/fuzzer-no-link-address-undefined/tests/fuzz $(TIME) $(T)
 fuzzers: $(fuzz)
+soak:
+	@CC='$(CC)' tests/deps install test
+	@$(MAKE) all
+	@MASSPROPD=$(BUILD)/masspropd python3 tests/http/soak.py $(TIME)
 coverage:
 	@CC='$(CC)' tests/deps install coverage
 	@find build/coverage -name '*.gcda' -delete 2>/dev/null || :
@@ -225,12 +229,13 @@ help:
 	@echo 'make format     let clang-format rewrite the sources'
 	@echo 'make bench      measure speed, compare it (BENCH=quick: in about a minute)'
 	@echo 'make fuzz       run every fuzz target for TIME=60 seconds'
+	@echo 'make soak       mixed load for TIME=60 seconds: is memory flat, every answer right?'
 	@echo 'make coverage   test coverage in build/coverage/html'
 	@echo 'make install    to $$DESTDIR$$PREFIX/bin (PREFIX=/usr/local)'
 	@echo 'make uninstall, make clean'
 
 FORCE:
-.PHONY: all run sample test tests bench check format lint layers docs fuzz fuzzers coverage install uninstall \
+.PHONY: all run sample test tests bench check format lint layers docs fuzz fuzzers soak coverage install uninstall \
 	clean help FORCE
 .SECONDARY:
 .DELETE_ON_ERROR:
