@@ -61,6 +61,7 @@ opt_core/topology/manifold.c := -O3
 opt_core/moments/uncertainty.c := -O3
 opt_core/fingerprint/aes.c := -O3
 opt_core/fingerprint/fingerprint_kernel.c := -O3
+opt_core/topology/vertices.c := -O3
 
 optimised = $(patsubst -O2,$(or $(opt_$<),-O2),$(CFLAGS))
 flags     = $(DEFINES) $(CPPFLAGS) $(WARN) -fPIE $(optimised) $(HARDEN) $(MATH)

@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/topology/recent.h"
+#include "core/topology/vertex_bits.h"
+
 /*
  * Linear probing in slots of tag << 32 | number + 1, 0 = empty.  The tag is the hash, its top bits
  * are the place; so slots are in the order of their tags but for the probing, and doubling the
@@ -18,11 +21,14 @@ struct mp_vertices {
 	uint64_t room; /* vertices that xyz has memory for */
 	bool wide;     /* xyz holds doubles, else floats */
 	void *xyz;     /* 3 * count coordinates */
+	struct mp_recent recent;
 };
 
 enum {
-	FIRST_BITS = 10, /* slots to begin with: 8 kB, so that small parts stay cheap */
-	BATCH = 32,      /* triangles looked up together, enough to hide the memory's latency */
+	FIRST_BITS = 10,    /* slots to begin with: 8 kB, so that small parts stay cheap */
+	RECENT_FROM = 8192, /* vertices that make it worth while to remember recent ones */
+	BATCH =
+	    MP_RECENT_BATCH / 3, /* triangles looked up together, to hide the memory's latency */
 	CORNERS = 3 * BATCH
 };
 
@@ -32,81 +38,12 @@ struct corner {
 	double p[3]; /* without -0 */
 	uint64_t at; /* every slot from its home to here is taken by other tags */
 	uint32_t tag;
+	uint32_t number; /* the answer */
 };
-
-__extension__ typedef unsigned __int128 u128;
-
-static uint64_t mix(uint64_t x)
-{
-	x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-	x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-	return x ^ (x >> 31);
-}
-
-/* Six words out of two, splitmix64 keyed with both halves (Steele 2014, doi:10.1145/2660193). */
-static void expand_key(const uint8_t key[16], uint64_t out[6])
-{
-	uint64_t half[2];
-
-	memcpy(half, key, sizeof half);
-	for (unsigned i = 0; i < 6; i++)
-		out[i] = mix(mix(half[0] + (i + 1) * 0x9e3779b97f4a7c15u) + half[1]);
-}
-
-/*
- * The first line is NH (Black et al. 1999, UMAC, doi:10.1007/3-540-48405-1_14) with words of 64
- * bits: two different vertices get the same 128 bits for at most one key in 2^64, whichever two
- * the uploader chose, for the key is fresh and never shown.  The second, a folded product under
- * two more words, spreads those bits, so that what NH keeps of the order of the coordinates does
- * not become runs of neighbouring slots.
- */
-static uint32_t hash(const uint64_t k[6], const uint64_t w[3])
-{
-	u128 sum, product;
-	uint64_t fold;
-
-	sum = (u128)(w[0] + k[0]) * (w[1] + k[1]) + (u128)(w[2] + k[2]) * k[3];
-	product = (u128)((uint64_t)sum ^ k[4]) * ((uint64_t)(sum >> 64) ^ k[5]);
-	fold = (uint64_t)product ^ (uint64_t)(product >> 64);
-	return (uint32_t)(fold ^ (fold >> 32));
-}
 
 static uint64_t home(uint32_t tag, unsigned bits)
 {
 	return ((uint64_t)tag << 32) >> (64 - bits);
-}
-
-static uint64_t bits_of(double x)
-{
-	uint64_t bits;
-
-	memcpy(&bits, &x, sizeof bits);
-	return bits;
-}
-
-/*
- * Whether a float holds ${x}, by its bits: GCC 12's SLP vectoriser may drop the rounding of
- * (double)(float)x.
- */
-static bool fits_float(double x)
-{
-	uint64_t bits = bits_of(x);
-	unsigned exponent = (unsigned)(bits >> 52) & 0x7ff;
-
-	if (exponent >= 1023 - 126)
-		return (bits & 0x1fffffff) == 0 && exponent <= 1023 + 127;
-	x *= 0x1p149; /* exact; a subnormal float is a multiple of 2^-149 */
-	return (double)(int64_t)x == x;
-}
-
-/* 0 where a float certainly holds the double of these bits: no branch, and right for all but
- * subnormal floats. */
-static uint64_t doubt_float(uint64_t bits)
-{
-	uint64_t size = bits & (UINT64_MAX >> 1);
-	uint64_t normal = size - ((uint64_t)(1023 - 126) << 52);
-
-	return (bits & 0x1fffffff) | ((normal >= (uint64_t)254 << 52) & (size != 0));
 }
 
 struct mp_vertices *mp_vertices_new(const uint8_t key[16], struct mp_error *err)
@@ -134,6 +71,7 @@ void mp_vertices_free(struct mp_vertices *v)
 		return;
 	free(v->slot);
 	free(v->xyz);
+	mp_recent_free(&v->recent);
 	free(v);
 }
 
@@ -239,59 +177,61 @@ static void store(struct mp_vertices *v, uint32_t number, const double p[3])
 	}
 }
 
-static int find_or_add(struct mp_vertices *v, const struct corner *c, uint32_t *out,
-		       struct mp_error *err)
+static int find_or_add(struct mp_vertices *v, struct corner *c, struct mp_error *err)
 {
 	uint64_t mask = ((uint64_t)1 << v->bits) - 1;
 	uint64_t at = c->at;
 
 	for (; v->slot[at] != 0; at = (at + 1) & mask) {
-		*out = (uint32_t)v->slot[at] - 1;
-		if (v->slot[at] >> 32 == c->tag && equal(v, *out, c->p))
+		c->number = (uint32_t)v->slot[at] - 1;
+		if (v->slot[at] >> 32 == c->tag && equal(v, c->number, c->p))
 			return 0;
 	}
 	if (v->count >= MOST_VERTICES)
 		return mp_fail_limit(err, MP_NO_BYTE, MOST_VERTICES, (uint64_t)v->count + 1,
 				     "more than 4294967294 different vertices");
-	*out = v->count++;
-	store(v, *out, c->p);
+	c->number = v->count++;
+	store(v, c->number, c->p);
 	v->slot[at] = (uint64_t)c->tag << 32 | v->count;
 	return 0;
 }
 
-/* Hash the corners and ask memory for their slots.  Returns whether floats may not hold them. */
-static bool load(const struct mp_vertices *v, const double (*tri)[9], unsigned count,
-		 struct corner *c)
+/* ${count} coordinates without -0; returns whether floats may not hold them. */
+static bool load(const double *x, unsigned count, uint64_t *word)
 {
-	uint64_t key[6], doubt = 0;
-	const uint64_t *slot = v->slot;
-	unsigned bits = v->bits;
+	struct float_doubt doubt = {0, 0};
 
-	memcpy(key, v->key, sizeof key);
 	for (unsigned i = 0; i < count; i++) {
-		for (unsigned k = 0; k < 9; k += 3, c++) {
-			uint64_t w[3];
+		uint64_t w = bits_of(x[i] + 0.0); /* -0 + 0 is +0 */
 
-			for (unsigned j = 0; j < 3; j++) {
-				double x = tri[i][k + j] + 0.0; /* -0 + 0 is +0 */
-
-				w[j] = bits_of(x);
-				doubt |= doubt_float(w[j]);
-				c->p[j] = x;
-			}
-			c->tag = hash(key, w);
-			__builtin_prefetch(&slot[home(c->tag, bits)]);
-		}
+		doubt_float(&doubt, w);
+		word[i] = w;
 	}
-	return doubt != 0;
+	return is_doubtful(&doubt);
 }
 
-static bool all_fit(const struct corner *c, unsigned n)
+static bool all_fit(const double (*tri)[9], unsigned count)
 {
-	for (unsigned i = 0; i < 3 * n; i++)
-		if (!fits_float(c[i / 3].p[i % 3]))
+	for (unsigned i = 0; i < 9 * count; i++)
+		if (!fits_float(tri[i / 9][i % 9]))
 			return false;
 	return true;
+}
+
+/* Hash the corners and ask memory for their slots. */
+static void hash_all(const struct mp_vertices *v, const uint64_t (*word)[3], struct corner *c,
+		     unsigned n)
+{
+	const uint64_t *slot = v->slot;
+	unsigned bits = v->bits;
+	uint64_t key[6];
+
+	memcpy(key, v->key, sizeof key);
+	for (unsigned i = 0; i < n; i++) {
+		memcpy(c[i].p, word[i], sizeof c[i].p);
+		c[i].tag = hash(key, word[i]);
+		__builtin_prefetch(&slot[home(c[i].tag, bits)]);
+	}
 }
 
 /*
@@ -317,19 +257,50 @@ static void find_tags(const struct mp_vertices *v, struct corner *c, unsigned n)
 	}
 }
 
+/* The numbers of ${n} corners, in this order. */
+static int look_up(struct mp_vertices *v, const uint64_t (*word)[3], struct corner *c, unsigned n,
+		   struct mp_error *err)
+{
+	hash_all(v, word, c, n);
+	find_tags(v, c, n);
+	for (unsigned i = 0; i < n; i++)
+		if (find_or_add(v, &c[i], err))
+			return -1;
+	return 0;
+}
+
+/* The same, but only for those that are none of the recent ones. */
+static int look_up_rest(struct mp_vertices *v, uint64_t (*word)[3], struct corner *c, unsigned n,
+			uint32_t (*out)[3], struct mp_error *err)
+{
+	struct mp_recent_batch batch;
+	uint32_t number[CORNERS];
+
+	mp_recent_look(&v->recent, word, n, &batch); /* leaves the others in front */
+	if (look_up(v, (const uint64_t(*)[3])word, c, batch.missing, err))
+		return -1;
+	for (unsigned i = 0; i < batch.missing; i++)
+		number[i] = c[i].number;
+	mp_recent_learn(&v->recent, &batch, number, n, (uint32_t *)out);
+	return 0;
+}
+
 static int add_batch(struct mp_vertices *v, const double (*tri)[9], unsigned count,
 		     uint32_t (*out)[3], struct mp_error *err)
 {
+	uint64_t word[CORNERS][3];
 	struct corner c[CORNERS];
 
 	if (reserve(v, 3 * count, err))
 		return -1;
-	if (load(v, tri, count, c) && !v->wide && !all_fit(c, 3 * count) && widen(v, err))
+	if (load(tri[0], 9 * count, word[0]) && !v->wide && !all_fit(tri, count) && widen(v, err))
 		return -1;
-	find_tags(v, c, 3 * count);
+	if (v->count >= RECENT_FROM && mp_recent_wanted(&v->recent))
+		return look_up_rest(v, word, c, 3 * count, out, err);
+	if (look_up(v, (const uint64_t(*)[3])word, c, 3 * count, err))
+		return -1;
 	for (unsigned i = 0; i < 3 * count; i++)
-		if (find_or_add(v, &c[i], &out[i / 3][i % 3], err))
-			return -1;
+		out[i / 3][i % 3] = c[i].number;
 	return 0;
 }
 
@@ -391,6 +362,7 @@ void mp_vertices_seal(struct mp_vertices *v)
 
 	free(v->slot);
 	v->slot = NULL;
+	mp_recent_free(&v->recent);
 	if (v->count > 0) /* what was in reserve; keeping it is no error */
 		(void)resize_xyz(v, v->count, v->wide, &ignored);
 }

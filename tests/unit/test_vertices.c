@@ -209,6 +209,63 @@ static void a_failed_allocation_is_reported(void **unused)
 	soup_free(&s);
 }
 
+/*
+ * A large grid of which single triangles come by turns in rows, in no order, and in rows again:
+ * the number of a vertex is what counting first appearances by its place in the grid says.
+ */
+static void large_meshes_are_numbered_in_any_order(void **unused)
+{
+	enum { N = 250, SIDE = N + 1, T = 2 * N * N };
+	uint32_t *number = malloc(SIDE * SIDE * sizeof *number), count = 0;
+	double(*tri)[9] = malloc(T * sizeof *tri);
+	uint32_t(*want)[3] = malloc(T * sizeof *want), (*out)[3] = malloc(T * sizeof *out);
+	uint64_t state = 23;
+
+	(void)unused;
+	for (int wide = 0; wide < 2; wide++, count = 0) {
+		struct mp_vertices *v = mp_vertices_new(some_key, NULL);
+
+		memset(number, 0xff, SIDE * SIDE * sizeof *number);
+		for (unsigned i = 0; i < T; i++) {
+			bool ordered = i % 50000 < 30000;
+			unsigned at = ordered ? i : (unsigned)(soup_random(&state) % T);
+			unsigned square = at / 2, corner = square / N * SIDE + square % N;
+			const unsigned c[3] = {corner, corner + 1 + at % 2 * N,
+					       corner + 1 + SIDE - at % 2};
+
+			for (unsigned k = 0; k < 3; k++) {
+				double x = c[k] % SIDE, y = c[k] / SIDE;
+
+				tri[i][3 * k] = wide ? x / 3 : x;
+				tri[i][3 * k + 1] = y;
+				tri[i][3 * k + 2] = soup_random(&state) % 2 ? 0.0 : -0.0;
+				if (number[c[k]] == UINT32_MAX)
+					number[c[k]] = count++;
+				want[i][k] = number[c[k]];
+			}
+		}
+		for (size_t i = 0, n; i < T; i += n) {
+			n = T - i < 256 ? T - i : 256;
+			assert_int_equal(
+			    mp_vertices_add(v, (const double(*)[9])tri + i, n, out + i, NULL), 0);
+		}
+		assert_int_equal(mp_vertices_count(v), count);
+		assert_memory_equal(out, want, T * sizeof *out);
+		mp_vertices_seal(v);
+		for (size_t i = 0; i < T; i += 7) {
+			double p[3];
+
+			mp_vertices_get(v, out[i][0], p);
+			assert_true(p[0] == tri[i][0] && p[1] == tri[i][1] && p[2] == 0);
+		}
+		mp_vertices_free(v);
+	}
+	free(number);
+	free(tri);
+	free(want);
+	free(out);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -220,6 +277,7 @@ int main(void)
 	    cmocka_unit_test(numbers_depend_on_neither_key_nor_blocks),
 	    cmocka_unit_test(equal_hashes_are_told_apart),
 	    cmocka_unit_test(a_failed_allocation_is_reported),
+	    cmocka_unit_test(large_meshes_are_numbered_in_any_order),
 	};
 
 	return cmocka_run_group_tests_name("vertices", tests, NULL, NULL);
