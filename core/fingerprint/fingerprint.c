@@ -109,6 +109,7 @@ void mp_fingerprint_begin(struct mp_fingerprint *f, const uint8_t key[16])
 
 	for (size_t i = 0; i < 16; i++)
 		secret[i / 8] |= (uint64_t)key[i] << 8 * (i % 8);
+	f->kernel = mp_fingerprint_kernel(mp_fingerprint_kernels() - 1);
 	mp_aes_expand(&aes, secret);
 	mp_aes_encrypt(&aes, (const uint64_t(*)[2])lanes, lanes, 2);
 	for (size_t lane = 0; lane < 2; lane++) {
@@ -119,7 +120,7 @@ void mp_fingerprint_begin(struct mp_fingerprint *f, const uint8_t key[16])
 
 void mp_fingerprint_add(struct mp_fingerprint *f, const double (*tri)[9], size_t count)
 {
-	mp_fingerprint_kernel(mp_fingerprint_kernels() - 1)->add(f->key, tri, count, f->sum);
+	f->kernel->add(f->key, tri, count, f->sum);
 }
 
 bool mp_fingerprint_closed(const struct mp_fingerprint *f)

@@ -36,7 +36,11 @@
  */
 #define MP_FINGERPRINT_MOST (UINT64_C(1) << 31) /* triangles */
 
+struct mp_fingerprint_kernel;
+
 struct mp_fingerprint {
+	/* for this machine; asking it is slow where a hypervisor answers */
+	const struct mp_fingerprint_kernel *kernel;
 	struct mp_aes key[2];
 	uint64_t sum[2];
 };
