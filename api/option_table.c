@@ -155,21 +155,15 @@ static int not_yet(const struct api_value *v)
 				  "This version does not have this option yet.");
 }
 
-static int later_word(const struct api_value *v, const char *const *words, size_t count)
-{
-	unsigned which = 0; /* the first is the default */
-
-	if (api_value_choice(v, words, count, &which))
-		return -1;
-	return which == 0 ? 0 : not_yet(v);
-}
-
 static int set_orient(struct api_options *o, const struct api_value *v)
 {
 	static const char *const words[] = {"keep", "fix"};
+	unsigned which = 0;
 
-	(void)o;
-	return later_word(v, words, 2);
+	if (api_value_choice(v, words, 2, &which))
+		return -1;
+	o->orient = which == 1;
+	return 0;
 }
 
 static int set_weld(struct api_options *o, const struct api_value *v)
@@ -233,7 +227,7 @@ const struct api_option_row api_option_rows[] = {
     {"axis_origin", set_axis_origin, false},
     {"transform", set_transform, false},
     {"flip", set_flip, false},
-    {"orient", set_orient, true},
+    {"orient", set_orient, false},
     {"weld", set_weld, false},
     {"bodies", set_bodies, false},
     {"defects", set_defects, false},

@@ -108,6 +108,8 @@ static int check_closed(const struct api_options *o, struct api_problem *p)
 		return not_with_closed(p, "transform", "an affine map");
 	if (o->weld > 0)
 		return not_with_closed(p, "weld", "welding");
+	if (o->orient)
+		return not_with_closed(p, "orient", "orienting");
 	return 0;
 }
 
@@ -139,6 +141,7 @@ void api_options_request(const struct api_options *o, struct mp_request *out)
 
 	out->format = o->format;
 	out->flip = o->flip;
+	out->orient = o->orient;
 	out->weld = o->weld;
 	out->precision = o->precision;
 	out->checks = o->checks;

@@ -49,6 +49,7 @@ struct api_options {
 	bool has_about, has_axis, has_axis_origin;
 	double about[3], axis[3], axis_origin[3];
 	bool flip, strict;
+	bool orient; /* fix */
 	double weld; /* in the file's unit */
 	enum mp_checks_wish checks;
 	enum mp_precision_wish precision;

@@ -287,7 +287,8 @@ static void add_properties(struct doc *d, cJSON *root)
 	add_principal(d, p);
 	api_json_value(&d->j, p, "volume_if_capped", r->capped.volume_defined, r->capped.volume);
 	api_json_value(&d->j, p, "cap_area", r->capped.area_defined, r->capped.area);
-	api_json_null(&d->j, p, "volume_if_oriented");
+	api_json_value(&d->j, p, "volume_if_oriented", r->volume_if_oriented_defined,
+		       r->volume_if_oriented);
 }
 
 /* Null where the result is. */

@@ -1,10 +1,13 @@
 #include "api/report_lists.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "api/report_words.h"
 #include "api/warnings.h"
+
+enum { MOST_NAMED = 10 }; /* bodies in a warning */
 
 /* Members after the first: ,"name": */
 static void member(struct api_text *t, const char *name)
@@ -65,6 +68,13 @@ static void body(struct api_text *t, const struct mp_body *b, bool has_density)
 	api_text_say(t, "}");
 	member(t, "watertight");
 	api_text_bool(t, b->watertight);
+	member(t, "orientable");
+	api_text_bool(t, b->orientable);
+	member(t, "genus");
+	if (b->genus >= 0)
+		api_text_count(t, (uint64_t)b->genus);
+	else
+		api_text_say(t, "null");
 	member(t, "orientation");
 	api_text_string(t, api_orientation_word(b->orientation),
 			strlen(api_orientation_word(b->orientation)));
@@ -194,6 +204,28 @@ bool api_defects_text(const struct mp_report *r, enum mp_defect_kind kind, size_
 	return i == d->count;
 }
 
+/* The sentence, with the numbers of the first few bodies it is about. */
+static void message(struct api_text *t, size_t row, const char *text, const struct mp_report *r)
+{
+	struct api_text all = {0};
+	unsigned named = 0;
+
+	api_text_say(&all, text);
+	for (uint32_t i = 0; row == MP_WARN_NON_ORIENTABLE && i < r->bodies_listed; i++) {
+		if (r->body[i].orientable || ++named > MOST_NAMED)
+			continue;
+		api_text_say(&all, named == 1 ? " Bodies: " : ", ");
+		api_text_count(&all, i);
+	}
+	if (named > 0)
+		api_text_say(&all, named > MOST_NAMED ? " and more." : ".");
+	if (all.failed)
+		t->failed = true;
+	else
+		api_text_string(t, all.text, all.len);
+	free(all.text);
+}
+
 size_t api_warnings_text(const struct mp_report *r, const struct api_options *o, bool lists_cut,
 			 struct api_text *out)
 {
@@ -207,7 +239,7 @@ size_t api_warnings_text(const struct mp_report *r, const struct api_options *o,
 		api_text_say(out, listed++ > 0 ? ",{\"code\":" : "{\"code\":");
 		api_text_string(out, w->code, strlen(w->code));
 		member(out, "message");
-		api_text_string(out, w->message, strlen(w->message));
+		message(out, i, w->message, r);
 		api_text_say(out, "}");
 	}
 	api_text_say(out, "]");

@@ -16,9 +16,8 @@ static const struct api_warning rows[WARNINGS] = {
     [MP_WARN_WINDING] =
 	{"inconsistent_winding",
 	 "Some neighbouring triangles face opposite ways, or some occur more than once, so inside "
-	 "and outside cannot be told apart: volume, mass, centroid and inertia are not given. Make "
-	 "all "
-	 "normals point outward and send the file again."},
+	 "and outside cannot be told apart: volume, mass, centroid and inertia are not given. Send "
+	 "orient=fix, or make all normals point outward and send the file again."},
     [MP_WARN_NON_MANIFOLD] =
 	{"non_manifold_edges",
 	 "Some edges are shared by more than two triangles, as where two parts "
@@ -95,6 +94,11 @@ static const struct api_warning rows[WARNINGS] = {
     [MP_WARN_NUL_BYTES] =
 	{"nul_bytes", "The file ends with NUL characters, as some programs write them. They were "
 		      "passed over."},
+    [MP_WARN_NON_ORIENTABLE] =
+	{"non_orientable",
+	 "Some bodies have only one side, as a Moebius strip or a Klein bottle has: nothing is "
+	 "inside or outside of them and no winding of them is consistent. orient=fix leaves them "
+	 "as they are. They are marked in the list of bodies."},
     [MP_WARN_WELD_UNDECIDED] =
 	{"weld_undecided",
 	 "There are so many places at nearly the weld distance from each other that not all were "

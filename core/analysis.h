@@ -27,6 +27,7 @@ struct mp_request {
 	uint8_t key[16]; /* secret random bytes, fresh for every request: keys the hash tables */
 	struct mp_limits limits;
 	bool flip;
+	bool orient; /* wind each body alike, and outward, or inward where it is a cavity */
 	double weld; /* [L] vertices nearer than this are one; 0: identical coordinates */
 	/*
 	 * CLOSED: STL only, else MP_BAD_CHECKS.  Nothing is kept of a triangle: memory does not

@@ -10,9 +10,22 @@ struct tally {
 	bool outward_inside; /* one at odd depth is wound like the whole */
 };
 
+/*
+ * How bodies that lie in no other are wound.  Where the whole is below 0 some may be inward, or it
+ * comes from what lies inside them.
+ */
+static enum mp_orientation outermost(const struct mp_bodies *b, bool negative)
+{
+	for (uint32_t i = 0; negative && i < b->count; i++)
+		if (b->nest[i].decided && b->nest[i].depth == 0 &&
+		    b->winding[i] == MP_ORIENTATION_INWARD)
+			return MP_ORIENTATION_INWARD;
+	return MP_ORIENTATION_OUTWARD;
+}
+
 static struct tally count(const struct mp_bodies *b, bool inside_out)
 {
-	enum mp_orientation outside = inside_out ? MP_ORIENTATION_INWARD : MP_ORIENTATION_OUTWARD;
+	enum mp_orientation outside = outermost(b, inside_out);
 	struct tally t = {0};
 
 	for (uint32_t i = 0; i < b->count; i++) {

@@ -57,6 +57,8 @@ static void fill(const struct mp_bodies *b, uint32_t i, const struct mp_density 
 	body->triangles = t->triangles;
 	body->box = b->box[i];
 	body->watertight = t->watertight;
+	body->orientable = !t->one_sided;
+	body->genus = mp_body_genus(t);
 	body->orientation = b->winding[i];
 	body->nest = b->nest[i];
 	body->cavity = body->orientation == MP_ORIENTATION_INWARD && body->nest.decided &&

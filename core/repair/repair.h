@@ -7,11 +7,19 @@
 
 /*
  * mp_repair(request, key, report, moments, err):
- * What the request asks to be done to the mesh before anything is said of it: welding.  Changes
+ * What the request asks to be done to the mesh before anything is said of it: welding, then
+ * orienting.  Changes
  * report->tri, counts what was done in ${report}, and sums ${moments} again where the mesh is
  * another one now.  ${key}: as for the vertex table.  -1: memory is out.
  */
 int mp_repair(const struct mp_request *request, const uint8_t key[16], struct mp_report *report,
 	      struct mp_moments *moments, struct mp_error *err);
+
+/*
+ * mp_repair_judge(mesh, report, err):
+ * Where the winding of ${mesh} is not consistent: which bodies have one side only, and the volume
+ * that there would be if it was repaired.  report->topology must be filled.  -1: memory is out.
+ */
+int mp_repair_judge(const struct mp_mesh *mesh, struct mp_report *report, struct mp_error *err);
 
 #endif

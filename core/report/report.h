@@ -49,6 +49,7 @@ enum mp_warning {
 	MP_WARN_NONPLANAR,           /* polygons that are not flat */
 	MP_WARN_TANGLED,             /* polygons that cross themselves: the area is off */
 	MP_WARN_NUL_BYTES,           /* text that ends with NUL characters */
+	MP_WARN_NON_ORIENTABLE,      /* some bodies have one side only */
 	MP_WARN_WELD_UNDECIDED,      /* some vertices nearer than weld may be apart still */
 	MP_WARN_INTERNAL_WALLS,      /* walls of no thickness, double or single */
 	MP_WARN_NOT_CLOSED,          /* checks=closed: volume undefined, the place is not known */
@@ -78,6 +79,8 @@ struct mp_body {
 	struct mp_mass mass;
 	struct mp_box box;
 	bool watertight;
+	int64_t genus;   /* -1: it is not closed, manifold and orientable */
+	bool orientable; /* it has two sides, whether or not it is wound consistently */
 	enum mp_orientation orientation; /* of its own winding: OUTWARD = volume > 0; never MIXED */
 	struct mp_nest nest;
 	bool cavity;      /* inward and inside another */
@@ -173,11 +176,13 @@ struct mp_report {
 
 	struct mp_body *body; /* the first ${bodies_listed} */
 	uint32_t bodies_listed;
-	char *names; /* what body[].name points into */
-	/* reversed because the request said flip; what a map mirrors is not among them */
+	char *names;               /* what body[].name points into */
+	double volume_if_oriented; /* [L^3] that there would be if the winding was repaired */
+	bool volume_if_oriented_defined;
+	/* wound the other way than in the file: flip, orient; not what a map mirrors */
 	uint64_t flipped_triangles;
 	uint64_t welded_vertices;   /* no longer used, as others have taken their place */
-	bool repaired;              /* the mesh is not the file's: welded */
+	bool repaired;              /* the mesh is not the file's: welded or oriented */
 	uint64_t warnings;          /* bit 1 << enum mp_warning */
 	double decode_s, analyse_s; /* 0: core reads no clock; the caller fills these */
 };

@@ -1,5 +1,6 @@
 #include <stdlib.h>
 
+#include "core/sort.h"
 #include "core/topology/disjoint.h"
 #include "core/topology/topology_parts.h"
 
@@ -26,11 +27,37 @@ static void connect(const struct mp_edges *e, uint32_t *parent)
 	}
 }
 
+/* Which bodies have several fans at one vertex.  ${roots}: fans of vertices with more than one. */
+static int find_pinched(const struct mp_mesh *mesh, const uint32_t *parent, const uint8_t *fans,
+			size_t roots, struct mp_topology *out)
+{
+	uint64_t *key = malloc((roots + 1) * sizeof *key);
+	size_t n = 0;
+
+	if (key == NULL)
+		return -1;
+	for (uint32_t c = 0; n < roots; c++) {
+		uint32_t v = mp_corner_vertex(mesh, c);
+
+		if (parent[c] == c && fans[v] > 1 && mp_has_edges(mesh->tri[c / 3]))
+			key[n++] = (uint64_t)v << 32 | out->body_of[c / 3];
+	}
+	mp_sort_u64(key, n);
+	for (size_t i = 1; i < n; i++)
+		if (key[i] == key[i - 1])
+			out->body[(uint32_t)key[i]].pinched = true;
+	free(key);
+	return 0;
+}
+
 /* fans[v]: 0, 1 or 2 for more than one. */
-static int count_fans(const struct mp_mesh *mesh, const struct mp_edges *e, uint8_t *fans)
+static int count_fans(const struct mp_mesh *mesh, const struct mp_edges *e, uint8_t *fans,
+		      struct mp_topology *out)
 {
 	size_t corners = 3 * (size_t)mesh->triangles;
 	uint32_t *parent = malloc((corners + 1) * sizeof *parent);
+	size_t shared = 0;
+	int failed = 0;
 
 	if (parent == NULL)
 		return -1;
@@ -40,12 +67,20 @@ static int count_fans(const struct mp_mesh *mesh, const struct mp_edges *e, uint
 	for (uint32_t t = 0; t < mesh->triangles; t++) {
 		if (!mp_has_edges(mesh->tri[t]))
 			continue;
-		for (uint32_t k = 0; k < 3; k++)
-			if (parent[3 * t + k] == 3 * t + k && fans[mesh->tri[t][k]] < 2)
-				fans[mesh->tri[t][k]]++;
+		for (uint32_t k = 0; k < 3; k++) {
+			uint8_t *f = &fans[mesh->tri[t][k]];
+
+			if (parent[3 * t + k] != 3 * t + k)
+				continue;
+			out->body[out->body_of[t]].fans++;
+			shared += *f == 0 ? 0 : *f == 1 ? 2 : 1; /* the first one counts late */
+			*f = *f == 0 ? 1 : 2;
+		}
 	}
+	if (shared > 0)
+		failed = find_pinched(mesh, parent, fans, shared, out);
 	free(parent);
-	return 0;
+	return failed;
 }
 
 /*
@@ -132,7 +167,7 @@ int mp_fans_find(const struct mp_mesh *mesh, const struct mp_edges *edges, uint3
 
 	if (fans == NULL)
 		return -1;
-	failed = count_fans(mesh, edges, fans);
+	failed = count_fans(mesh, edges, fans, out);
 	for (uint32_t v = 0; v < vertices; v++) {
 		out->vertices += fans[v] > 0;
 		out->non_manifold_vertices += fans[v] > 1;

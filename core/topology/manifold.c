@@ -221,6 +221,9 @@ static void assign(struct ring *r, uint32_t *number, struct mp_topology *out)
 		out->body_of[t] = number[root];
 		out->body[number[root]].triangles++;
 	}
+	for (uint32_t v = 0; v < r->vertices; v++)
+		if (r->row[v] != r->row[v + 1])
+			out->body[number[mp_set_find(r->label, v)]].fans++;
 }
 
 static int number_bodies(struct ring *r, struct mp_topology *out)
@@ -235,6 +238,7 @@ static int number_bodies(struct ring *r, struct mp_topology *out)
 		out->body[i].closed = out->body[i].watertight = true;
 	if (out->bodies == 1 && r->faces == r->mesh->triangles) {
 		out->body[0].triangles = r->mesh->triangles; /* all in body 0 */
+		out->body[0].fans = r->used;
 		return 0;
 	}
 	number = malloc(((size_t)r->vertices + 1) * sizeof *number);

@@ -97,6 +97,13 @@ int mp_topology_find(const struct mp_mesh *mesh, uint32_t most, struct mp_topolo
 	return mp_fail_nomem(err);
 }
 
+int64_t mp_body_genus(const struct mp_body_topology *b)
+{
+	int64_t euler = (int64_t)b->fans - b->triangles / 2; /* 3 edges to 2 triangles */
+
+	return b->watertight && !b->pinched && !b->one_sided ? (2 - euler) / 2 : -1;
+}
+
 void mp_topology_free(struct mp_topology *t)
 {
 	for (int k = 0; k < MP_DEFECT_KINDS; k++)

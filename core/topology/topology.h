@@ -70,7 +70,16 @@ struct mp_body_topology {
 	bool closed;      /* every edge is used equally often both ways */
 	bool cracks_only; /* not closed, but the signed boundary is zero as a geometric current */
 	bool watertight;  /* every edge is used exactly twice */
+	uint64_t fans;    /* of triangles around vertices: its vertices, but where it is pinched */
+	bool pinched;     /* some vertex has several of its fans */
+	bool one_sided;   /* no winding of it is consistent; mp_repair_judge() finds out */
 };
+
+/*
+ * Its genus, the number of its handles: (2 - V + E - F)/2.  -1 where it has none: it is not closed
+ * and manifold, or it is one_sided.
+ */
+int64_t mp_body_genus(const struct mp_body_topology *);
 
 /*
  * What a listed boundary loop is, measured over all of it, however few of its vertices are listed.

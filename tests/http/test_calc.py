@@ -82,7 +82,7 @@ def test_exit(files, folder):
             ("in either order", 2, ["--strict", missing, files["box"], files["open"]]),
             ("an unknown option", 2, ["--colour", "red", files["box"]]),
             ("a malformed option", 2, ["--density", "x", files["box"]]),
-            ("an option of a later stage", 2, ["--orient=fix", files["box"]]),
+            ("an option of a later stage", 2, ["--resolution=1e-6", files["box"]]),
             ("an option without its value", 2, [files["box"], "--density"]),
             ("exclusive options", 2, ["--density=1", "--mass=1", files["box"]]),
             ("a repeated option", 2, ["--density=1", "--density=1", files["box"]])):

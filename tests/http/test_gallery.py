@@ -252,6 +252,22 @@ def warning_nul_bytes(d):
          volume=1)
 
 
+def warning_non_orientable(d):
+    n, points = 9, []
+    for i in range(n + 1):
+        a, side = math.tau * (i % n) / n, -1 if i == n else 1
+        points.append([((10 + s * math.cos(a / 2)) * math.cos(a),
+                        (10 + s * math.cos(a / 2)) * math.sin(a), s * math.sin(a / 2))
+                       for s in (-side, side)])
+    quads = [(*points[i], *points[i + 1][::-1]) for i in range(n)]
+    strip = [t for p, q, r, s in quads for t in ((p, q, r), (p, r, s))]
+    a = post(d, strip)
+    check("a Moebius strip", {w["code"] for w in a.json["warnings"]} ==
+          {"non_orientable", "open_mesh", "inconsistent_winding"}
+          and a.json["bodies"][0]["orientable"] is False
+          and a.json["checks"]["boundary_loops"] == 1, a)
+
+
 def warning_weld_undecided(d):
     """A rod and a ring round it, just out of reach of each other, as boxes cannot tell."""
     count, radius, points = 180000, 1.000001, []

@@ -96,7 +96,7 @@ BAD = {
     "transform": ("", "1,2,3", "nan,0,0,0,0,1,0,0,0,0,1,0"), "include": ("",),
     "density[steel]": ("", "0", "x"),
 }
-LATER = ("orient=fix", "precision=exact", "precision=certified",
+LATER = ("precision=exact", "precision=certified",
          "resolution=1e-6", "include=facets", "include=digest")
 
 

@@ -11,7 +11,7 @@ BODY = {"triangles": 12, "volume": 24000, "surface_area": 5200, "mass": 0.0648,
         "centroid": [20, 15, 10],
         "inertia_about_centroid": [[7.02, 0, 0], [0, 10.8, 0], [0, 0, 13.5]],
         "bounding_box": {"min": [0, 0, 0], "max": [40, 30, 20]}, "watertight": True,
-        "orientation": "outward", "depth": 0, "parent": None, "cavity": False, "name": None}
+        "orientable": True, "genus": 0, "orientation": "outward", "depth": 0, "parent": None, "cavity": False, "name": None}
 EXAMPLE = {
     "schema": "masspropd/1",
     "input": {"filename": None, "format": "stl-binary", "bytes": 684, "unit": "mm",

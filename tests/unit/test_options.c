@@ -131,6 +131,7 @@ static void the_other_words_arrive(void **state)
 	assert_int_equal(accepts("density_unit=file").density_unit, API_DENSITY_FILE);
 	assert_int_equal(accepts("mass_unit=g").mass_unit, API_G);
 	assert_false(accepts("flip=false&strict=false").flip);
+	assert_true(accepts("orient=fix").orient && !accepts("orient=keep").orient);
 	assert_true(accepts("weld=0.00e5").weld == 0 && accepts("weld=2.5e-3").weld == 0.0025);
 }
 
@@ -257,6 +258,7 @@ static void closed_checks_exclude_what_needs_a_table(void **state)
 	bad("checks=closed&precision=exact", "precision");
 	bad("density[a]=1&checks=closed", "density[a]");
 	bad("checks=closed&weld=1e-3", "weld");
+	bad("orient=fix&checks=closed", "orient");
 	bad("checks=closed&transform=1,0,0,0,0,1,0,0,0,0,1,0", "transform");
 	(void)accepts("checks=closed&weld=0");
 	bad("checks=closed&format=obj", "checks");
@@ -268,8 +270,7 @@ static void closed_checks_exclude_what_needs_a_table(void **state)
 static void options_of_a_later_stage_take_their_default_alone(void **state)
 {
 	(void)state;
-	(void)accepts("orient=keep&checks=full&precision=auto&resolution=1e-9");
-	later("orient=fix", "orient");
+	(void)accepts("precision=auto&resolution=1e-9");
 	later("resolution=1e-6", "resolution");
 	later("include=facets,digest", "include");
 }
@@ -501,7 +502,7 @@ static void the_list_of_options_ends(void **state)
 	for (; api_option_name(n) != NULL; n++)
 		now += api_option_supported(n);
 	assert_int_equal(n, 22);
-	assert_int_equal(now, 19);
+	assert_int_equal(now, 20);
 	assert_null(api_option_name(n + 1000));
 	assert_false(api_option_supported(n));
 }

@@ -104,6 +104,7 @@ static struct mp_report box(void)
 				    .mass = box_mass,
 				    .box = r.box,
 				    .watertight = true,
+				    .orientable = true,
 				    .orientation = MP_ORIENTATION_OUTWARD,
 				    .nest = {true, 0, MP_NO_BODY}};
 	return r;
@@ -223,6 +224,7 @@ static const char contract_box[] =
     "\"surface_area\":5200,\"mass\":0.0648,\"centroid\":[20,15,10],"
     "\"inertia_about_centroid\":[[7.02,0,0],[0,10.8,0],[0,0,13.5]],"
     "\"bounding_box\":{\"min\":[0,0,0],\"max\":[40,30,20]},\"watertight\":true,"
+    "\"orientable\":true,\"genus\":0,"
     "\"orientation\":\"outward\",\"depth\":0,\"parent\":null,\"cavity\":false,\"name\":null}],"
     "\"defects\":{\"boundary_edges\":[],\"boundary_loops\":[],\"non_manifold_edges\":[],"
     "\"non_manifold_vertices\":[],\"misoriented_edges\":[],\"degenerate_triangles\":[],"
