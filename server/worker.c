@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <malloc.h>
+#include <poll.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -11,8 +12,11 @@
 #include "server/channel.h"
 #include "server/clock.h"
 
-/* Memory above this is given back after a job; below it stays, mapped and warm, for the next. */
-enum { KEEP = 64 << 20 };
+/*
+ * Fresh pages cost more than anything that is done with them, so what was touched stays, mapped and
+ * warm, for the next job.  If none comes for a while, all but KEEP bytes are given back.
+ */
+enum { KEEP = 64 << 20, REST_MS = 1000 };
 
 struct worker {
 	const struct srv_config *config;
@@ -40,6 +44,14 @@ static char hear(struct worker *w, int *fd)
 	if (fds == 0)
 		*fd = -1;
 	return byte;
+}
+
+static void rest(const struct worker *w)
+{
+	struct pollfd next = {.fd = w->sock, .events = POLLIN};
+
+	if (poll(&next, 1, REST_MS) == 0)
+		(void)malloc_trim(KEEP);
 }
 
 static bool cancelled(const struct worker *w)
@@ -210,12 +222,12 @@ void srv_worker_run(const struct srv_config *config, int sock, struct srv_segmen
 	if (srv_sandbox_obey(config->sandbox, SRV_SANDBOX_WORKER, why, sizeof why) != 0)
 		_exit(7); /* the front said why and has not begun either */
 
-	/* Fresh pages cost more than anything that is done with them: keep what was touched. */
 	mallopt(M_MMAP_THRESHOLD, 1 << 30);
-	mallopt(M_TRIM_THRESHOLD, KEEP);
+	mallopt(M_TRIM_THRESHOLD, -1); /* only where rest() says so */
 	for (;;) {
 		int spool;
 
+		rest(&w);
 		if (hear(&w, &spool) == SRV_MSG_JOB)
 			work(&w, spool);
 		else if (spool >= 0)

@@ -1,0 +1,33 @@
+#!/usr/bin/env python3
+"""What a worker does with memory between jobs."""
+import struct
+
+from family import *
+from harness import *
+from wire import *
+
+FACETS = stl(box((0, 0, 0), (40, 30, 20)))[84:]
+COPIES = 200000
+MEGABYTE = 1 << 20
+
+
+def memory(pid, what):
+    """VmRSS or VmHWM, in bytes."""
+    with open(f"/proc/{pid}/status", encoding="ascii") as f:
+        return next(int(line.split()[1]) << 10 for line in f if line.startswith(what + ":"))
+
+
+def test_a_large_job_leaves_no_large_worker(d):
+    worker = workers(d.pid)[0]
+    a = d.post(bytes(80) + struct.pack("<I", 12 * COPIES) + FACETS * COPIES)
+    check("a large mesh is answered", a.status == 200, a)
+    check("it took memory", memory(worker, "VmHWM") > 96 * MEGABYTE, memory(worker, "VmHWM"))
+    check("a worker that rests gives memory back",
+          until(lambda: memory(worker, "VmRSS") < 80 * MEGABYTE, 20), memory(worker, "VmRSS"))
+    a = d.post(stl(box((0, 0, 0), (40, 30, 20))))
+    check("the same worker goes on", a.status == 200 and workers(d.pid)[0] == worker, a)
+
+
+with Daemon("--workers", "1") as daemon:
+    test_a_large_job_leaves_no_large_worker(daemon)
+finish()
