@@ -15,6 +15,7 @@ struct loop {
 	double sum[3];  /* of its vertices, about the first */
 	uint32_t first; /* vertex */
 	uint32_t vertices;
+	uint32_t all; /* their numbers xored: two of three give the third */
 };
 
 struct caps {
@@ -58,22 +59,51 @@ static void sum_vertices(struct caps *c)
 		for (int k = 0; k < 3; k++)
 			l->sum[k] += xyz[k] - base[k];
 		l->vertices++;
+		l->all ^= v;
 	}
 }
 
-/* One triangle of a fan, against the boundary half-edge; false where its tip is out of range. */
-static bool cap(const struct caps *c, size_t half, double tri[9])
+static double square(const double *p, const double *q)
+{
+	double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+
+	return x * x + y * y + z * z;
+}
+
+/* Turn the triangle so that it begins opposite its longest side: long needles lose least then. */
+static void turn(double tri[9])
+{
+	double a = square(tri + 3, tri + 6), b = square(tri + 6, tri), c = square(tri, tri + 3);
+	double old[9];
+	int by = a >= b && a >= c ? 0 : b >= c ? 3 : 6;
+
+	memcpy(old, tri, sizeof old);
+	for (int k = 0; k < 9; k++)
+		tri[k] = old[(k + by) % 9];
+}
+
+/*
+ * One triangle against the boundary half-edge, of a fan or the one that is missing; returns how
+ * many, 0 where another half-edge has it, -1 where the fan's tip is out of range.
+ */
+static int cap(const struct caps *c, size_t half, double tri[9])
 {
 	uint32_t tail = mp_corner_vertex(c->mesh, (uint32_t)half);
 	uint32_t head = mp_corner_vertex(c->mesh, mp_half_next((uint32_t)half));
 	const struct loop *l = &c->loop[c->loop_of[tail]];
 
+	if (l->vertices == 3 && tail != l->first)
+		return 0;
 	place(c, head, tri);
 	place(c, tail, tri + 3);
-	place(c, l->first, tri + 6);
-	for (int k = 6; k < 9; k++)
+	place(c, l->vertices == 3 ? l->all ^ head ^ tail : l->first, tri + 6);
+	for (int k = 6; k < 9 && l->vertices != 3; k++) {
 		tri[k] += l->sum[k - 6] / l->vertices;
-	return isfinite(tri[6]) && isfinite(tri[7]) && isfinite(tri[8]);
+		if (!isfinite(tri[k]))
+			return -1;
+	}
+	turn(tri);
+	return 1;
 }
 
 /* The triangles of the fans, or their images. */
@@ -82,18 +112,23 @@ static bool add_caps(const struct caps *c, const struct mp_affine *map, struct m
 	double block[MP_BLOCK][9];
 	size_t fill = 0;
 
-	for (size_t h = mp_bit_next(c->bit, c->halves, 0); h < c->halves;) {
-		if (!cap(c, h, block[fill]))
+	for (size_t h = mp_bit_next(c->bit, c->halves, 0); h < c->halves;
+	     h = mp_bit_next(c->bit, c->halves, h + 1)) {
+		int got = cap(c, h, block[fill]);
+
+		if (got < 0)
 			return false;
-		for (int k = 0; k < 9 && map != NULL; k += 3)
+		for (int k = 0; k < 9 && got > 0 && map != NULL; k += 3)
 			if (!mp_affine_point(map, block[fill] + k, block[fill] + k))
 				return false;
-		h = mp_bit_next(c->bit, c->halves, h + 1);
-		if (++fill < MP_BLOCK && h < c->halves)
+		fill += (size_t)got;
+		if (fill < MP_BLOCK)
 			continue;
 		mp_moments_add(m, (const double(*)[9])block, fill);
 		fill = 0;
 	}
+	if (fill > 0)
+		mp_moments_add(m, (const double(*)[9])block, fill);
 	return true;
 }
 
@@ -108,16 +143,19 @@ static bool put(long double x, double *out)
 static void find_volume(const struct caps *c, const struct mp_moments *sums, struct mp_capped *out)
 {
 	struct mp_moments first = *sums, second;
-	struct mp_solid solid;
+	struct mp_solid solid, again;
 
 	if (!add_caps(c, NULL, &first))
 		return;
 	mp_moments_solve(&first, &solid);
-	if (solid.again) {
+	/* no bound comes with the result, so it has to have its digits */
+	if (solid.again || solid.volume_bound > 0x1p-40L * fabsl(solid.volume)) {
 		mp_moments_begin_again(&second, &first);
 		mp_solid_add(&second, c->mesh, NULL, c->mesh->triangles);
 		(void)add_caps(c, NULL, &second);
-		mp_moments_solve(&second, &solid);
+		mp_moments_solve(&second, &again);
+		if (!solid.in_range || again.volume_bound < solid.volume_bound)
+			solid = again;
 	}
 	if (c->mesh->map != NULL) /* the mean of a loop is mapped to that of the mapped loop */
 		mp_affine_solid(c->mesh->map, &solid);

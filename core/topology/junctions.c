@@ -17,6 +17,12 @@ struct search {
 	size_t count;
 };
 
+/* As in the file: what lies on a line there need not do so to the bit once it is mapped. */
+static void stored(const struct search *f, uint32_t v, double xyz[3])
+{
+	mp_vertices_get(f->s->mesh->vertices, v, xyz);
+}
+
 /* An order of numbers: < 0 where ${x} comes before ${y}. */
 typedef int compare_fn(const void *self, uint32_t x, uint32_t y);
 
@@ -68,9 +74,9 @@ static int compare_lines(const void *self, uint32_t x, uint32_t y)
 	const struct around *a = self;
 	double m[3], p[3], q[3];
 
-	mp_loop_place_of(a->f->s, a->v, m);
-	mp_loop_place_of(a->f->s, other_end(a->f, x, a->v), p);
-	mp_loop_place_of(a->f->s, other_end(a->f, y, a->v), q);
+	stored(a->f, a->v, m);
+	stored(a->f, other_end(a->f, x, a->v), p);
+	stored(a->f, other_end(a->f, y, a->v), q);
 	return mp_compare_lines(m, p, q);
 }
 
@@ -112,7 +118,7 @@ static double at(const struct line *l, uint32_t v)
 {
 	double xyz[3];
 
-	mp_loop_place_of(l->f->s, v, xyz);
+	stored(l->f, v, xyz);
 	return xyz[l->axis];
 }
 
@@ -145,8 +151,8 @@ static unsigned leading_axis(const struct search *f, uint32_t edge)
 	double p[3], q[3];
 	unsigned k = 0;
 
-	mp_loop_place_of(f->s, mp_loop_tail(f->s, f->half[edge]), p);
-	mp_loop_place_of(f->s, mp_loop_head(f->s, f->half[edge]), q);
+	stored(f, mp_loop_tail(f->s, f->half[edge]), p);
+	stored(f, mp_loop_head(f->s, f->half[edge]), q);
 	while (k < 2 && p[k] == q[k])
 		k++;
 	return k;

@@ -42,7 +42,8 @@ int mp_duplicates_find(const struct mp_mesh *, const struct mp_edges *, uint32_t
 
 /*
  * walls.c: what divides the inside.  double_walls: connected groups of paired triangles that hang
- * on other triangles and have no free edge (an edge of one pair alone).  single_walls: connected
+ * on other triangles, two or more at each edge of their rim (an edge of one pair alone is free, one
+ * with a single other triangle the edge of a hole).  single_walls: connected
  * groups of edges that are used 3, 5, ... times where no sheet that meets there has a boundary
  * edge; a sheet is what hangs together across edges used twice.  There spare triangles are left
  * out.

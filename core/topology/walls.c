@@ -74,7 +74,7 @@ static uint64_t count_double(struct walls *w, const uint64_t *paired)
 
 		last = mp_edges_end(e, i);
 		count = join_paired(w, paired, i, last, &one);
-		if (count == 2 && last - i == 2)
+		if (last - i == count + 1 || (count == 2 && last - i == 2))
 			w->flag[one] |= FREE;
 		if (count > 0 && last - i > count)
 			w->flag[one] |= ATTACHED;

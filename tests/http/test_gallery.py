@@ -89,6 +89,10 @@ def warning_cracks(d):
           and loop["area"] == 0 and loop["planar"] and loop["plane_deviation"] is None
           and loop["length"] == 2 * math.dist(a, b)
           and loop["t_junctions"] == [{"vertex": list(m), "edge": [list(a), list(b)]}], loop)
+    turned = "unit=mm&transform=0.6,-0.8,0,7.1,0.8,0.6,0,0.3,0,0,1.7,1e-3"
+    loop = post(d, [(a, m, c), *BOX[1:], (m, b, c)], turned).json["defects"]["boundary_loops"][0]
+    check("and one still when it is turned", loop["crack"] and loop["area"] == 0
+          and len(loop["t_junctions"]) == 1, loop)
 
 
 def warning_inconsistent_winding(d):
