@@ -1,8 +1,7 @@
 #include "api/json_build.h"
 
-#include <inttypes.h>
+#include <limits.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,7 +13,7 @@ void api_text_put(struct api_text *t, const char *bytes, size_t len)
 	if (t->failed)
 		return;
 	if (len >= t->cap - t->len || t->text == NULL) { /* one byte is the NUL's */
-		size_t cap = t->cap < 256 ? 256 : t->cap;
+		size_t cap = t->cap < 1024 ? 1024 : t->cap;
 		char *p;
 
 		while (cap - t->len <= len && cap <= SIZE_MAX / 2)
@@ -59,10 +58,26 @@ void api_text_bool(struct api_text *t, bool b)
 	api_text_say(t, b ? "true" : "false");
 }
 
+/* Printable ASCII that needs no backslash, as nearly all our words are. */
+static bool is_plain(const char *bytes, size_t len)
+{
+	for (size_t i = 0; i < len; i++)
+		if (bytes[i] < 0x20 || bytes[i] > 0x7e || bytes[i] == '"' || bytes[i] == '\\')
+			return false;
+	return true;
+}
+
 void api_text_string(struct api_text *t, const char *bytes, size_t len)
 {
-	char *clean = api_utf8_dup(bytes, len);
+	char *clean;
 
+	if (is_plain(bytes, len)) {
+		api_text_put(t, "\"", 1);
+		api_text_put(t, bytes, len);
+		api_text_put(t, "\"", 1);
+		return;
+	}
+	clean = api_utf8_dup(bytes, len);
 	if (clean == NULL) {
 		t->failed = true;
 		return;
@@ -116,89 +131,8 @@ void api_text_matrix(struct api_text *t, const double m[3][3])
 	api_text_put(t, "]", 1);
 }
 
-static cJSON *add(struct api_json *j, cJSON *parent, const char *name, cJSON *item)
-{
-	if (parent == NULL || item == NULL || !cJSON_AddItemToObjectCS(parent, name, item)) {
-		cJSON_Delete(item);
-		j->failed = true;
-		return NULL;
-	}
-	return item;
-}
-
-cJSON *api_json_object(struct api_json *j, cJSON *parent, const char *name)
-{
-	return add(j, parent, name, cJSON_CreateObject());
-}
-
-void api_json_null(struct api_json *j, cJSON *parent, const char *name)
-{
-	(void)add(j, parent, name, cJSON_CreateNull());
-}
-
-void api_json_bool(struct api_json *j, cJSON *parent, const char *name, bool b)
-{
-	(void)add(j, parent, name, cJSON_CreateBool(b));
-}
-
-void api_json_string(struct api_json *j, cJSON *parent, const char *name, const char *text)
-{
-	char *clean = api_utf8_dup(text, strlen(text));
-
-	(void)add(j, parent, name, clean != NULL ? cJSON_CreateString(clean) : NULL);
-	free(clean);
-}
-
-void api_json_count(struct api_json *j, cJSON *parent, const char *name, uint64_t n)
-{
-	char buf[24];
-
-	snprintf(buf, sizeof buf, "%" PRIu64, n);
-	(void)add(j, parent, name, cJSON_CreateRaw(buf));
-}
-
-void api_json_signed(struct api_json *j, cJSON *parent, const char *name, int64_t n)
-{
-	char buf[24];
-
-	snprintf(buf, sizeof buf, "%" PRId64, n);
-	(void)add(j, parent, name, cJSON_CreateRaw(buf));
-}
-
-void api_json_value(struct api_json *j, cJSON *parent, const char *name, bool defined, double x)
-{
-	char buf[API_NUMBER_SIZE];
-
-	(void)api_json_number(buf, defined ? x : NAN);
-	(void)add(j, parent, name, cJSON_CreateRaw(buf));
-}
-
-void api_json_vector(struct api_json *j, cJSON *parent, const char *name, bool defined,
-		     const double *x, size_t count)
-{
-	struct api_text t = {0};
-
-	if (defined)
-		api_text_vector(&t, x, count);
-	else
-		api_text_say(&t, "null");
-	api_json_text(j, parent, name, &t);
-}
-
-void api_json_matrix(struct api_json *j, cJSON *parent, const char *name, bool defined,
-		     const double m[3][3])
-{
-	struct api_text t = {0};
-
-	if (defined)
-		api_text_matrix(&t, m);
-	else
-		api_text_say(&t, "null");
-	api_json_text(j, parent, name, &t);
-}
-
-/* cJSON_CreateRaw() would copy; a report's lists may hold 100 MB, so the text is handed over. */
-void api_json_text(struct api_json *j, cJSON *parent, const char *name, struct api_text *t)
+/* The text becomes a node: cJSON_CreateRaw() would copy, and a report's lists may hold 100 MB. */
+static void add_node(struct api_json *j, const char *name, struct api_text *t)
 {
 	cJSON *item = t->failed || t->text == NULL ? NULL : cJSON_CreateNull();
 
@@ -208,13 +142,165 @@ void api_json_text(struct api_json *j, cJSON *parent, const char *name, struct a
 	} else {
 		item->type = cJSON_Raw;
 		item->valuestring = t->text; /* given back by cJSON_Delete() */
-		(void)add(j, parent, name, item);
+		j->size += t->len + strlen(name) + 4;
+		if (!cJSON_AddItemToObjectCS(j->root, name, item)) {
+			cJSON_Delete(item);
+			j->failed = true;
+		}
 	}
+	memset(t, 0, sizeof *t);
+}
+
+static void close_to(struct api_json *j, unsigned depth)
+{
+	for (; j->depth > depth; j->depth--)
+		api_text_put(&j->text, "}", 1);
+}
+
+static void end_member(struct api_json *j)
+{
+	if (j->name == NULL)
+		return;
+	close_to(j, 0);
+	add_node(j, j->name, &j->text);
+	j->name = NULL;
+}
+
+/* Where the value of the new member goes, or NULL. */
+static struct api_text *begin(struct api_json *j, const cJSON *parent, const char *name)
+{
+	unsigned depth = 0;
+
+	if (parent == NULL) {
+		j->failed = true;
+		return NULL;
+	}
+	if (parent == j->root) {
+		end_member(j);
+		j->name = name;
+		return &j->text;
+	}
+	while (depth < j->depth && parent != &j->open[depth])
+		depth++;
+	if (depth == j->depth) { /* it was complete */
+		j->failed = true;
+		return NULL;
+	}
+	close_to(j, depth + 1);
+	if (j->text.len > 0 && j->text.text[j->text.len - 1] != '{')
+		api_text_put(&j->text, ",", 1);
+	api_text_put(&j->text, "\"", 1);
+	api_text_say(&j->text, name);
+	api_text_put(&j->text, "\":", 2);
+	return &j->text;
+}
+
+cJSON *api_json_object(struct api_json *j, cJSON *parent, const char *name)
+{
+	struct api_text *t = begin(j, parent, name);
+
+	if (t == NULL || j->depth == API_JSON_DEEPEST) {
+		j->failed = true;
+		return NULL;
+	}
+	api_text_put(t, "{", 1);
+	return &j->open[j->depth++];
+}
+
+void api_json_null(struct api_json *j, cJSON *parent, const char *name)
+{
+	struct api_text *t = begin(j, parent, name);
+
+	if (t != NULL)
+		api_text_put(t, "null", 4);
+}
+
+void api_json_bool(struct api_json *j, cJSON *parent, const char *name, bool b)
+{
+	struct api_text *t = begin(j, parent, name);
+
+	if (t != NULL)
+		api_text_bool(t, b);
+}
+
+void api_json_string(struct api_json *j, cJSON *parent, const char *name, const char *text)
+{
+	struct api_text *t = begin(j, parent, name);
+
+	if (t != NULL)
+		api_text_string(t, text, strlen(text));
+}
+
+void api_json_count(struct api_json *j, cJSON *parent, const char *name, uint64_t n)
+{
+	struct api_text *t = begin(j, parent, name);
+
+	if (t != NULL)
+		api_text_count(t, n);
+}
+
+void api_json_signed(struct api_json *j, cJSON *parent, const char *name, int64_t n)
+{
+	struct api_text *t = begin(j, parent, name);
+
+	if (t == NULL)
+		return;
+	if (n < 0)
+		api_text_put(t, "-", 1);
+	api_text_count(t, n < 0 ? -(uint64_t)n : (uint64_t)n);
+}
+
+void api_json_value(struct api_json *j, cJSON *parent, const char *name, bool defined, double x)
+{
+	struct api_text *t = begin(j, parent, name);
+
+	if (t != NULL)
+		api_text_number(t, defined ? x : NAN);
+}
+
+void api_json_vector(struct api_json *j, cJSON *parent, const char *name, bool defined,
+		     const double *x, size_t count)
+{
+	struct api_text *t = begin(j, parent, name);
+
+	if (t != NULL && defined)
+		api_text_vector(t, x, count);
+	else if (t != NULL)
+		api_text_put(t, "null", 4);
+}
+
+void api_json_matrix(struct api_json *j, cJSON *parent, const char *name, bool defined,
+		     const double m[3][3])
+{
+	struct api_text *t = begin(j, parent, name);
+
+	if (t != NULL && defined)
+		api_text_matrix(t, m);
+	else if (t != NULL)
+		api_text_put(t, "null", 4);
+}
+
+void api_json_text(struct api_json *j, cJSON *parent, const char *name, struct api_text *t)
+{
+	struct api_text *to;
+
+	if (parent != NULL && parent == j->root) {
+		end_member(j);
+		add_node(j, name, t);
+		return;
+	}
+	to = begin(j, parent, name);
+	if (t->failed || t->text == NULL)
+		j->failed = true;
+	else if (to != NULL)
+		api_text_put(to, t->text, t->len);
+	free(t->text);
 	memset(t, 0, sizeof *t);
 }
 
 cJSON *api_json_begin(struct api_json *j)
 {
+	memset(j, 0, sizeof *j);
 	j->root = cJSON_CreateObject();
 	j->failed = j->root == NULL;
 	return j->root;
@@ -222,10 +308,16 @@ cJSON *api_json_begin(struct api_json *j)
 
 char *api_json_finish(struct api_json *j, size_t *len)
 {
-	char *text = j->failed ? NULL : cJSON_PrintUnformatted(j->root);
+	char *text = NULL;
 
+	if (j->root != NULL)
+		end_member(j);
+	if (!j->failed)
+		text = j->size < INT_MAX / 2 ? cJSON_PrintBuffered(j->root, (int)j->size + 64, 0)
+					     : cJSON_PrintUnformatted(j->root);
+	free(j->text.text);
 	cJSON_Delete(j->root);
-	j->root = NULL;
+	memset(j, 0, sizeof *j);
 	if (text != NULL)
 		*len = strlen(text);
 	return text;

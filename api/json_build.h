@@ -7,9 +7,10 @@
 #include <stdint.h>
 
 /*
- * Building JSON: cJSON trees for what is small, one growing text for what is long, so that a list
- * of 100,000 defects is one node.  Failure (memory is out) is remembered and asked for once, at
- * the end.
+ * Building JSON: the members of the document are a cJSON tree, what is within them is one growing
+ * text each, so that neither a list of 100,000 defects nor 150 numbers are nodes of their own: a
+ * tree of all of them took longer than the analysis of a small part.  Failure (memory is out) is
+ * remembered and asked for once, at the end.
  */
 
 /* A growing text.  Zeroed is empty; a NUL stands behind ${text} once it is not NULL. */
@@ -31,14 +32,22 @@ void api_text_vector(struct api_text *, const double *x, size_t count);
 /* [[..],[..],[..]], rows; the same. */
 void api_text_matrix(struct api_text *, const double m[3][3]);
 
+enum { API_JSON_DEEPEST = 8 };
+
 struct api_json {
 	cJSON *root;
+	const char *name;     /* of the member of root that is being written, NULL: of none */
+	struct api_text text; /* its value so far */
+	unsigned depth;       /* objects open in it */
+	cJSON open[API_JSON_DEEPEST]; /* only their addresses are used: what object() returned */
+	size_t size;                  /* of what is in the tree, about */
 	bool failed;
 };
 
 /*
- * Add a member to ${parent}.  ${name} is kept by pointer (a literal).  A NULL ${parent} is a
- * failure that was noticed before.
+ * Add a member to ${parent}: the root or the object that was begun last or one around it; all
+ * objects within ${parent} are complete thereby.  ${name} is kept by pointer (a literal).  A NULL
+ * ${parent} is a failure that was noticed before.
  */
 cJSON *api_json_object(struct api_json *, cJSON *parent, const char *name);
 void api_json_null(struct api_json *, cJSON *parent, const char *name);

@@ -151,7 +151,16 @@ static size_t lay_out(char *out, bool negative, const struct decimal *d)
 		*p++ = '.';
 	for (i = 1; i < d->count; i++)
 		*p++ = d->digit[i];
-	return (size_t)(p - out) + (size_t)snprintf(p, 8, "e%+d", e);
+	*p++ = 'e';
+	*p++ = e < 0 ? '-' : '+';
+	e = e < 0 ? -e : e;
+	if (e >= 100)
+		*p++ = (char)('0' + e / 100);
+	if (e >= 10)
+		*p++ = (char)('0' + e / 10 % 10);
+	*p++ = (char)('0' + e % 10);
+	*p = '\0';
+	return (size_t)(p - out);
 }
 
 /* Take the digits of what %e printed; whatever the locale's decimal point is, it is no digit. */
@@ -180,17 +189,62 @@ static void round_to(double x, int digits, struct decimal *d)
 	scan(text, d);
 }
 
-static void slow(double x, struct decimal *d)
+/*
+ * ${all} are the 17 digits nearest to x; cut to ${digits} they are the nearest of so many, unless
+ * what is cut off lies just in the middle, where one cannot tell: false.
+ */
+static bool cut(const struct decimal *all, int digits, struct decimal *d)
 {
-	int digits = x < DBL_MIN ? 1 : 15; /* any 15 digits survive, unless x is subnormal */
+	int rest = 0, half = 5;
+
+	*d = *all;
+	for (int i = digits; i < DBL_DECIMAL_DIG; i++) {
+		rest = 10 * rest + (i < all->count ? all->digit[i] - '0' : 0);
+		half *= i > digits ? 10 : 1;
+	}
+	if (rest == half)
+		return false;
+	if (d->count > digits)
+		d->count = digits;
+	if (rest > half) {
+		int i = digits - 1; /* rest > 0: there are more digits than that */
+
+		while (i >= 0 && d->digit[i] == '9')
+			i--;
+		if (i < 0) {
+			d->digit[0] = '1';
+			d->exponent++;
+		} else {
+			d->digit[i]++;
+		}
+		d->count = i < 0 ? 1 : i + 1;
+	}
+	while (d->count > 1 && d->digit[d->count - 1] == '0')
+		d->count--;
+	return true;
+}
+
+static bool survives(double x, const struct decimal *d)
+{
 	char text[API_NUMBER_SIZE];
 	double back = 0;
 
-	for (; digits <= DBL_DECIMAL_DIG; digits++) {
-		round_to(x, digits, d);
-		if (mp_number_parse(text, lay_out(text, false, d), &back) == 0 && back == x)
+	return mp_number_parse(text, lay_out(text, false, d), &back) == 0 && back == x;
+}
+
+static void slow(double x, struct decimal *d)
+{
+	int digits = x < DBL_MIN ? 1 : 15; /* any 15 digits survive, unless x is subnormal */
+	struct decimal all;
+
+	round_to(x, DBL_DECIMAL_DIG, &all);
+	for (; digits < DBL_DECIMAL_DIG; digits++) {
+		if (digits < 15 || !cut(&all, digits, d))
+			round_to(x, digits, d);
+		if (survives(x, d))
 			return;
 	}
+	*d = all;
 }
 
 static size_t word(char *out, const char *text)

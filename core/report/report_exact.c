@@ -48,41 +48,46 @@ static double widened(double value, double bound, double relative)
 		   : mp_round_up(((long double)bound + relative * fabsl(value)) * (1 + 0x1p-40L));
 }
 
-static void put_mass(const struct mp_exact *e, const struct mp_exact_density *density,
-		     struct mp_mass *m)
-{
-	struct mp_exact_value v, c[3];
-	struct mp_exact_tensor t;
+/* What the sums come to: found once, used for the results, their ranges and their bounds. */
+struct values {
+	struct mp_exact_value volume, mass, centroid[3];
+	struct mp_exact_tensor inertia; /* about the centroid */
+	bool has_centroid;
+};
 
-	mp_exact_volume(e, &v);
-	if (m->volume_defined && v.defined)
-		m->volume = v.value;
-	if (m->mass_defined) {
-		mp_exact_mass(e, density, &v);
-		m->mass = v.defined ? v.value : m->mass;
-	}
-	if (m->centroid_defined && mp_exact_centroid(e, c))
+static void evaluate(const struct mp_exact *e, const struct mp_exact_density *density,
+		     struct values *v)
+{
+	mp_exact_volume(e, &v->volume);
+	mp_exact_mass(e, density, &v->mass);
+	v->has_centroid = mp_exact_centroid(e, v->centroid);
+	mp_exact_inertia(e, density, NULL, &v->inertia);
+}
+
+static void put_mass(const struct values *v, struct mp_mass *m)
+{
+	if (m->volume_defined && v->volume.defined)
+		m->volume = v->volume.value;
+	if (m->mass_defined && v->mass.defined)
+		m->mass = v->mass.value;
+	if (m->centroid_defined && v->has_centroid)
 		for (int k = 0; k < 3; k++)
-			m->centroid[k] = c[k].value;
-	if (!m->inertia_defined)
-		return;
-	mp_exact_inertia(e, density, NULL, &t);
-	if (t.defined)
-		memcpy(m->inertia, t.value, sizeof m->inertia);
+			m->centroid[k] = v->centroid[k].value;
+	if (m->inertia_defined && v->inertia.defined)
+		memcpy(m->inertia, v->inertia.value, sizeof m->inertia);
 }
 
 /* The tensors and the moment that are not of the centroid. */
 static void put_inertia(const struct mp_request *request, const struct mp_exact *e,
-			const struct mp_exact_density *density, struct mp_report *r)
+			const struct mp_exact_density *density,
+			const struct mp_exact_tensor *about_origin, struct mp_report *r)
 {
-	static const double origin[3];
 	struct mp_exact_value moment, radius;
 	struct mp_exact_tensor t;
 
-	mp_exact_inertia(e, density, origin, &t);
-	if (r->inertia_origin_defined && t.defined) {
-		memcpy(r->inertia_origin, t.value, sizeof r->inertia_origin);
-		r->bounds.inertia_origin = t.bound;
+	if (r->inertia_origin_defined && about_origin->defined) {
+		memcpy(r->inertia_origin, about_origin->value, sizeof r->inertia_origin);
+		r->bounds.inertia_origin = about_origin->bound;
 	}
 	if (r->inertia_about_defined) {
 		mp_exact_inertia(e, density, request->about, &t);
@@ -99,30 +104,26 @@ static void put_inertia(const struct mp_request *request, const struct mp_exact 
 		r->axis.radius_of_gyration = radius.value;
 }
 
-static void put_bounds(const struct mp_request *request, const struct mp_exact *e,
-		       const struct mp_exact_density *density, struct mp_report *r)
+static void put_bounds(const struct mp_request *request, const struct values *v,
+		       struct mp_report *r)
 {
 	double relative = request->density_kind == MP_DENSITY_GIVEN ? request->density_error : 0,
 	       largest = 0;
-	struct mp_exact_value v, c[3];
-	struct mp_exact_tensor t;
-	struct mp_ball mass;
+	const struct mp_exact_value *c = v->centroid;
+	const struct mp_exact_tensor *t = &v->inertia;
+	double mass_bound = widened(v->mass.value, v->mass.bound, relative);
+	struct mp_ball mass = mp_ball(v->mass.value, mass_bound);
 
-	mp_exact_volume(e, &v);
-	r->bounds.volume = v.bound;
-	mp_exact_mass(e, density, &v);
-	v.bound = widened(v.value, v.bound, relative);
-	mass = mp_ball(v.value, v.bound);
+	r->bounds.volume = v->volume.bound;
 	if (r->total.mass_defined)
-		r->bounds.mass = v.bound;
-	if (r->total.centroid_defined && mp_exact_centroid(e, c))
+		r->bounds.mass = mass_bound;
+	if (r->total.centroid_defined && v->has_centroid)
 		r->bounds.centroid = fmax(c[0].bound, fmax(c[1].bound, c[2].bound));
 	if (!r->total.inertia_defined)
 		return;
-	mp_exact_inertia(e, density, NULL, &t);
 	for (int i = 0; i < 9; i++)
-		largest = fmax(largest, fabs(t.value[i / 3][i % 3]));
-	r->bounds.inertia = widened(largest, t.bound, relative);
+		largest = fmax(largest, fabs(t->value[i / 3][i % 3]));
+	r->bounds.inertia = widened(largest, t->bound, relative);
 	r->bounds.inertia_origin =
 	    widened(fmax(fabs(r->inertia_origin[0][0]),
 			 fmax(fabs(r->inertia_origin[1][1]), fabs(r->inertia_origin[2][2]))),
@@ -133,25 +134,15 @@ static void put_bounds(const struct mp_request *request, const struct mp_exact *
 }
 
 /* Are all results that there are within the range of doubles for the exact numbers too? */
-static bool all_defined(const struct mp_exact *e, const struct mp_exact_density *density,
+static bool all_defined(const struct values *v, const struct mp_exact_tensor *about_origin,
 			const struct mp_report *r)
 {
-	static const double origin[3];
 	const struct mp_mass *m = &r->total;
-	struct mp_exact_value v, c[3];
-	struct mp_exact_tensor t;
 
-	mp_exact_volume(e, &v);
-	if (!v.defined || !m->centroid_defined || !mp_exact_centroid(e, c))
-		return false;
-	mp_exact_mass(e, density, &v);
-	if (m->mass_defined && !v.defined)
-		return false;
-	mp_exact_inertia(e, density, NULL, &t);
-	if (m->inertia_defined && !t.defined)
-		return false;
-	mp_exact_inertia(e, density, origin, &t);
-	return !r->inertia_origin_defined || t.defined;
+	return v->volume.defined && m->centroid_defined && v->has_centroid &&
+	       (!m->mass_defined || v->mass.defined) &&
+	       (!m->inertia_defined || v->inertia.defined) &&
+	       (!r->inertia_origin_defined || about_origin->defined);
 }
 
 /* A volume that the certified sums could not tell from 0 is one after all. */
@@ -164,9 +155,12 @@ static void revive(struct mp_mass *m)
 static void put_whole(const struct mp_request *request, const struct mp_exact *e,
 		      const struct mp_exact_density *density, struct mp_report *r)
 {
+	static const double origin[3];
 	struct mp_mass before = r->total;
 	bool origin_before = r->inertia_origin_defined;
-	struct mp_exact_value v;
+	struct mp_exact_tensor about_origin;
+	struct mp_exact_value mean;
+	struct values v;
 
 	if (mp_exact_sign(e) == 0) {
 		if (r->total.volume != 0)
@@ -179,17 +173,19 @@ static void put_whole(const struct mp_request *request, const struct mp_exact *e
 		revive(&r->total);
 		r->inertia_origin_defined = r->total.inertia_defined;
 	}
-	if (!all_defined(e, density, r)) {
+	evaluate(e, density, &v);
+	mp_exact_inertia(e, density, origin, &about_origin);
+	if (!all_defined(&v, &about_origin, r)) {
 		r->total = before;
 		r->inertia_origin_defined = origin_before;
 		return;
 	}
-	put_mass(e, density, &r->total);
-	put_inertia(request, e, density, r);
-	put_bounds(request, e, density, r);
+	put_mass(&v, &r->total);
+	put_inertia(request, e, density, &about_origin, r);
+	put_bounds(request, &v, r);
 	if (request->density_kind == MP_DENSITY_FROM_MASS && r->density_defined) {
-		mp_exact_density(density, &v);
-		r->density = v.defined ? v.value : r->density;
+		mp_exact_density(density, &mean);
+		r->density = mean.defined ? mean.value : r->density;
 	}
 	r->precision = MP_PRECISION_EXACT;
 }
@@ -258,11 +254,34 @@ int mp_report_exact_whole(struct mp_report_exact *x, const struct mp_request *re
 static void put_body(const struct mp_exact *e, const struct mp_exact_density *density,
 		     struct mp_body *body)
 {
+	struct values v;
+
 	if (mp_exact_sign(e) == 0)
 		return;
 	if (!body->mass.centroid_defined)
 		revive(&body->mass);
-	put_mass(e, density, &body->mass);
+	evaluate(e, density, &v);
+	put_mass(&v, &body->mass);
+}
+
+/* The only body of a mesh has its numbers already. */
+static bool same_as_whole(const struct mp_mesh *mesh, const struct mp_bodies *bodies, uint32_t b,
+			  const struct mp_report *r)
+{
+	const struct mp_mass *m = &r->body[b].mass;
+
+	return bodies->start[b + 1] - bodies->start[b] == mesh->triangles &&
+	       r->precision == MP_PRECISION_EXACT && m->centroid_defined &&
+	       m->mass_defined == r->total.mass_defined &&
+	       m->inertia_defined == r->total.inertia_defined && r->total.centroid_defined;
+}
+
+static void put_same(const struct mp_mass *whole, struct mp_mass *m)
+{
+	m->volume = whole->volume;
+	m->mass = whole->mass;
+	memcpy(m->centroid, whole->centroid, sizeof m->centroid);
+	memcpy(m->inertia, whole->inertia, sizeof m->inertia);
 }
 
 int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_request *request,
@@ -285,6 +304,10 @@ int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_requ
 
 		if (!r->body[b].mass.volume_defined)
 			continue;
+		if (same_as_whole(mesh, bodies, b, r)) {
+			put_same(&r->total, &r->body[b].mass);
+			continue;
+		}
 		rc = find_mapped(mesh, &x->grid, r, bodies->order + bodies->start[b],
 				 bodies->start[b + 1] - bodies->start[b], &e, err);
 		if (rc == 0) {

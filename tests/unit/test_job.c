@@ -730,7 +730,7 @@ static void any_failed_allocation_gives_no_capabilities(void **state)
 	}
 	alloc_fail_at(0);
 	assert_non_null(text);
-	assert_true(n > 50);
+	assert_true(n > 15);
 	free(text);
 }
 
