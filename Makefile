@@ -35,7 +35,7 @@ MATH     := -ffp-contract=off -fno-math-errno
 DEFINES  := -I. -I$(BUILD)/gen -D_GNU_SOURCE
 # libdraco is linked as it comes, shared like the rest: its fixes arrive with the system's, and it
 # has had many that matter to somebody who decodes strangers' files.
-LDLIBS   := -lmicrohttpd -lcjson -lseccomp -lzstd -lz -lgmp -ldraco -lstdc++ -lm
+LDLIBS   := -lmicrohttpd -lcjson -lseccomp -lzstd -lz -lgmp -lnettle -ldraco -lstdc++ -lm
 
 machine  := $(shell $(CC) -dumpmachine 2>/dev/null)
 HARDEN   := -fstack-protector-strong

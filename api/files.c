@@ -110,10 +110,25 @@ static int refuse(const struct api_files *f, const struct mp_error *err, struct 
 	return -1;
 }
 
+static void settle_digest(struct api_files *f)
+{
+	char hex[API_DIGEST_SIZE];
+
+	api_digest_end(&f->sha, hex);
+	if (f->count == 1)
+		memcpy(f->sha256, hex, sizeof hex);
+	api_text_say(&f->digests, f->count == 1 ? "[\"" : ",\"");
+	api_text_say(&f->digests, hex);
+	api_text_say(&f->digests, "\"");
+}
+
 /* What the file that ends looked like. */
 static void settle(struct api_files *f)
 {
 	enum mp_format_wish wish = looks_like(f);
+
+	if (f->digest)
+		settle_digest(f);
 
 	if (f->count == 1)
 		f->found = wish;
@@ -147,6 +162,8 @@ int api_files_begin(struct api_files *f, const char *name, struct api_problem *p
 	struct mp_error err = {0};
 
 	if (f->count == 0) {
+		f->digest = (f->options->include & API_INCLUDE_DIGEST) != 0;
+		api_digest_begin(&f->sha);
 		api_options_request(f->options, &f->request);
 		f->analysis = mp_analysis_new(&f->request, &err);
 		if (f->analysis == NULL)
@@ -173,6 +190,8 @@ int api_files_bytes(struct api_files *f, const uint8_t *bytes, size_t len, struc
 		memcpy(f->start + f->bytes, bytes, len < left ? len : left);
 	}
 	f->bytes += len;
+	if (f->digest)
+		api_digest_add(&f->sha, bytes, len);
 	return mp_analysis_push(f->analysis, bytes, len, &err) ? refuse(f, &err, p) : 0;
 }
 
@@ -185,8 +204,13 @@ int api_files_end(struct api_files *f, struct api_problem *p)
 		return refuse(f, &err, p);
 	settle(f);
 	api_text_say(&f->names, "]");
-	if (f->names.failed)
+	api_text_say(&f->digests, "]");
+	if (f->names.failed || f->digests.failed)
 		return too_expensive(p);
+	if ((f->options->include & API_INCLUDE_DIGEST) != 0 && !f->digest)
+		return api_problem_option(p, API_BAD_OPTION, "include", strlen("include"),
+					  "The option asks for a digest behind the file, whose "
+					  "bytes are gone: send it before the files.");
 	if (f->format_late && wish != MP_WISH_AUTO && (f->differ || wish != f->found))
 		return api_problem_option(p, API_BAD_OPTION, "format", strlen("format"),
 					  "The option comes behind a file of another format: to "
@@ -217,5 +241,6 @@ void api_files_free(struct api_files *f)
 		free(f->current);
 	free(f->first);
 	free(f->names.text);
+	free(f->digests.text);
 	memset(f, 0, sizeof *f);
 }

@@ -3,6 +3,7 @@
 
 #include <stdbool.h>
 
+#include "api/digest.h"
 #include "api/json_build.h"
 #include "api/options.h"
 #include "api/problem.h"
@@ -22,7 +23,11 @@ struct api_files { /* at first all 0, but for options, several, and key and limi
 	size_t count;
 	char *first, *current; /* names, clean UTF-8, NULL for none: of the first, of the last */
 	struct api_text names; /* of all: a JSON array, open until api_files_end() */
-	uint64_t bytes;        /* of the file in work */
+	bool digest;           /* was asked for when the first file began */
+	struct api_digest sha; /* of the file in work */
+	char sha256[API_DIGEST_SIZE]; /* of the first */
+	struct api_text digests;      /* of all, as names */
+	uint64_t bytes;               /* of the file in work */
 	uint8_t start[MP_SNIFF_BYTES];
 	enum mp_format_wish found; /* what the first looks like */
 	bool differ;               /* some other looks different */

@@ -10,6 +10,7 @@
 #include "api/media.h"
 #include "api/options.h"
 #include "api/problem.h"
+#include "api/report_extras.h"
 #include "api/report_json.h"
 #include "api/report_words.h"
 
@@ -212,6 +213,10 @@ static int finish(struct api_job *j)
 		return -1;
 	if (j->files.count > 1)
 		j->options.sent.filenames = j->files.names.text;
+	if (j->files.digest)
+		j->options.sent.sha256 = j->files.sha256;
+	if (j->files.digest && j->files.count > 1)
+		j->options.sent.digests = j->files.digests.text;
 	return 0;
 }
 
@@ -254,6 +259,17 @@ static int not_a_solid(struct api_job *j, const struct mp_report *r)
 	return api_problem_set(&j->problem, API_NOT_A_SOLID, "The mesh is not a solid: %s.", why);
 }
 
+static int too_many_facets(struct api_job *j, const struct mp_report *r)
+{
+	(void)api_problem_option(&j->problem, API_TOO_MANY_TRIANGLES, "include", strlen("include"),
+				 "A report lists the facets of at most %d triangles: leave facets "
+				 "out of include, or send the mesh in parts.",
+				 API_MOST_FACETS);
+	j->problem.limit = API_MOST_FACETS;
+	j->problem.actual = r->triangles;
+	return -1;
+}
+
 /* The report as JSON, or NULL with the problem set. */
 static char *make_report(struct api_job *j, struct api_answer *out)
 {
@@ -269,6 +285,9 @@ static char *make_report(struct api_job *j, struct api_answer *out)
 	out->timing.analyse = (now(j) - start) * 1e3;
 	if (j->options.strict && report.solid == MP_NO) {
 		(void)not_a_solid(j, &report);
+	} else if ((j->options.include & API_INCLUDE_FACETS) != 0 &&
+		   report.triangles > API_MOST_FACETS) {
+		(void)too_many_facets(j, &report);
 	} else {
 		json =
 		    api_report_json(&report, &j->options, j->files.first, &out->timing, &out->len);

@@ -205,12 +205,38 @@ static int set_resolution(struct api_options *o, const struct api_value *v)
 	return x == 1e-9 ? 0 : not_yet(v);
 }
 
+static const struct {
+	const char *word;
+	unsigned bit; /* 0: of a later stage */
+} extras[] = {
+    {"facets", API_INCLUDE_FACETS}, {"digest", API_INCLUDE_DIGEST}, {"self_intersections", 0}};
+
+static int include_one(struct api_options *o, const struct api_value *all, const char *word,
+		       size_t len)
+{
+	const struct api_value v = {all->name, all->name_len, word, len, all->problem};
+
+	for (size_t i = 0; i < sizeof extras / sizeof extras[0]; i++) {
+		if (!api_value_is(&v, extras[i].word))
+			continue;
+		o->include |= extras[i].bit;
+		return extras[i].bit != 0 ? 0 : not_yet(&v);
+	}
+	return api_value_bad(&v, "a list of facets, digest, self_intersections");
+}
+
 static int set_include(struct api_options *o, const struct api_value *v)
 {
-	(void)o;
-	if (v->len == 0)
-		return api_value_bad(v, "a list of extras");
-	return not_yet(v);
+	size_t from = 0;
+
+	for (size_t i = 0; i <= v->len; i++) {
+		if (i < v->len && v->text[i] != ',')
+			continue;
+		if (include_one(o, v, v->text + from, i - from))
+			return -1;
+		from = i + 1;
+	}
+	return 0;
 }
 
 const struct api_option_row api_option_rows[] = {
@@ -234,7 +260,7 @@ const struct api_option_row api_option_rows[] = {
     {"checks", set_checks, false},
     {"precision", set_precision, false},
     {"resolution", set_resolution, true},
-    {"include", set_include, true},
+    {"include", set_include, false},
     {"strict", set_strict, false},
 };
 

@@ -110,6 +110,8 @@ static int check_closed(const struct api_options *o, struct api_problem *p)
 		return not_with_closed(p, "weld", "welding");
 	if (o->orient)
 		return not_with_closed(p, "orient", "orienting");
+	if ((o->include & API_INCLUDE_FACETS) != 0)
+		return not_with_closed(p, "include", "a list of facets");
 	return 0;
 }
 

@@ -12,8 +12,13 @@ enum api_unit { API_MM, API_UM, API_CM, API_M, API_IN, API_FT, API_UNITS };
 enum api_density_unit { API_KG_M3, API_G_CM3, API_LB_IN3, API_DENSITY_FILE, API_DENSITY_UNITS };
 enum api_mass_unit { API_KG, API_G, API_LB, API_MASS_UNITS };
 
+/* What include asks for; bits. */
+enum { API_INCLUDE_FACETS = 1, API_INCLUDE_DIGEST = 2 };
+
 /* What came beside the options and is told in the report. */
 struct api_sent {
+	const char *sha256;    /* of the first file, hexadecimal; NULL: not asked for */
+	const char *digests;   /* JSON array, where there were several files; else NULL */
 	const char *filenames; /* JSON array, where there were several files; else NULL */
 	bool attachment;       /* a form had a material or a picture, which was passed over */
 };
@@ -50,6 +55,7 @@ struct api_options {
 	double about[3], axis[3], axis_origin[3];
 	bool flip, strict;
 	bool orient; /* fix */
+	unsigned include;
 	double weld; /* in the file's unit */
 	enum mp_checks_wish checks;
 	enum mp_precision_wish precision;

@@ -1,5 +1,7 @@
 #include "api/report_extras.h"
 
+#include <math.h>
+
 void api_uncertainty_add(struct api_json *j, cJSON *root, const struct mp_report *r)
 {
 	const struct mp_uncertainty *u = &r->uncertainty;
@@ -15,4 +17,43 @@ void api_uncertainty_add(struct api_json *j, cJSON *root, const struct mp_report
 	api_json_value(j, o, "volume", u->volume_defined, u->volume);
 	api_json_value(j, o, "mass", u->mass_defined, u->mass);
 	api_json_value(j, o, "centroid", u->centroid_defined, u->centroid);
+}
+
+enum { AREA, NORMAL, CENTROID, HEIGHT, VOLUME, COLUMNS };
+
+static void put_facet(struct api_text column[COLUMNS], const struct mp_facet *f)
+{
+	static const double none = NAN;
+
+	api_text_number(&column[AREA], f->area);
+	api_text_vector(&column[NORMAL], f->degenerate ? &none : f->normal, f->degenerate ? 1 : 3);
+	api_text_vector(&column[CENTROID], f->centroid, 3);
+	api_text_number(&column[HEIGHT], f->degenerate ? none : f->height);
+	api_text_number(&column[VOLUME], f->volume);
+}
+
+void api_facets_add(struct api_json *j, cJSON *root, const struct mp_report *r, bool asked)
+{
+	static const char *const names[COLUMNS] = {"area", "normal", "centroid", "height",
+						   "signed_volume"};
+	struct api_text column[COLUMNS] = {{0}};
+	cJSON *o;
+
+	if (!asked) {
+		api_json_null(j, root, "facets");
+		return;
+	}
+	for (uint32_t t = 0; t < r->triangles; t++) {
+		struct mp_facet facet;
+
+		mp_report_facet(r, t, &facet);
+		for (int c = 0; c < COLUMNS; c++)
+			api_text_put(&column[c], t == 0 ? "[" : ",", 1);
+		put_facet(column, &facet);
+	}
+	o = api_json_object(j, root, "facets");
+	for (int c = 0; c < COLUMNS; c++) {
+		api_text_put(&column[c], "]", 1);
+		api_json_text(j, o, names[c], &column[c]);
+	}
 }

@@ -39,7 +39,7 @@ static void add_transform(struct doc *d, cJSON *in)
 static void add_input(struct doc *d, cJSON *root, const char *filename)
 {
 	cJSON *in = api_json_object(&d->j, root, "input");
-	struct api_text names = {0};
+	struct api_text names = {0}, digests = {0};
 
 	if (filename != NULL)
 		api_json_string(&d->j, in, "filename", filename);
@@ -53,6 +53,14 @@ static void add_input(struct doc *d, cJSON *root, const char *filename)
 	api_json_count(&d->j, in, "bytes", d->r->notes.bytes);
 	api_json_string(&d->j, in, "unit", api_unit_names[d->o->unit]);
 	add_transform(d, in);
+	if (d->o->sent.sha256 != NULL)
+		api_json_string(&d->j, in, "sha256", d->o->sent.sha256);
+	else
+		api_json_null(&d->j, in, "sha256");
+	if (d->o->sent.digests != NULL) {
+		api_text_say(&digests, d->o->sent.digests);
+		api_json_text(&d->j, in, "sha256_of_files", &digests);
+	}
 }
 
 static void add_unit(struct doc *d, cJSON *units, const char *name, const char *base, int power)
@@ -381,6 +389,7 @@ char *api_report_json(const struct mp_report *report, const struct api_options *
 		api_bodies_text(report, &bodies);
 	api_json_text(&d.j, root, "bodies", &bodies);
 	add_defects(&d, root);
+	api_facets_add(&d.j, root, report, (options->include & API_INCLUDE_FACETS) != 0);
 	add_tail(&d, root, timing);
 	return api_json_finish(&d.j, len);
 }

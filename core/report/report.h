@@ -8,6 +8,7 @@
 #include "core/affine/affine.h"
 #include "core/bodies/nesting.h"
 #include "core/decoder.h"
+#include "core/moments/facet.h"
 #include "core/moments/principal.h"
 #include "core/moments/uncertainty.h"
 #include "core/topology/index.h"
@@ -189,6 +190,9 @@ struct mp_report {
 
 /* Coordinates of vertex ${number} as the report shows them: mapped. */
 void mp_report_vertex(const struct mp_report *report, uint32_t number, double xyz[3]);
+
+/* Triangle ${t} by itself, as the report shows it: flipped, mapped. */
+void mp_report_facet(const struct mp_report *report, uint32_t t, struct mp_facet *out);
 
 #define MP_WARNED(report, w) (((report)->warnings >> (w)) & 1u)
 

@@ -1,5 +1,11 @@
 #!/usr/bin/env python3
-"""What stands beside the results: the uncertainty of the input."""
+"""What stands beside the results: the uncertainty of the input, facets, digests."""
+import gzip
+import hashlib
+import os
+import struct
+import tempfile
+
 from contract import *
 from draco import encode, obj
 from harness import *
@@ -40,10 +46,74 @@ def test_quantisation(d):
     check("four bits less are sixteen times the deviation", 14 < ratio < 18, ratio)
 
 
+def test_facets(d):
+    a = d.post(stl(box((0, 0, 0), (40, 30, 20))), query="include=facets")
+    f = a.json["facets"]
+    check("facets are five columns of as many elements as there are triangles",
+          set(f) == {"area", "normal", "centroid", "height", "signed_volume"} and
+          all(len(column) == 12 for column in f.values()), a)
+    check("their areas and volumes add up", sum(f["area"]) == 5200 and
+          near(sum(f["signed_volume"]), 24000), f)
+    check("a box has its normals", sorted(map(tuple, f["normal"])) == sorted(
+        2 * [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]), f["normal"])
+    check("a plane through the origin has height 0, one opposite the size of the box",
+          sorted(f["height"]) == 6 * [0] + [20, 20, 30, 30, 40, 40], f["height"])
+    turned = d.post(stl(box((0, 0, 0), (40, 30, 20))), query="include=facets&flip=true").json
+    check("flip turns normals", turned["facets"]["normal"] ==
+          [[-x + 0.0 for x in n] for n in f["normal"]], turned["facets"]["normal"])
+    moved = d.post(stl(box((0, 0, 0), (40, 30, 20))),
+                   query="include=facets&transform=-1,0,0,5,0,2,0,0,0,0,1,0").json
+    f = moved["facets"]
+    check("a mirroring transform maps facets and keeps them outward",
+          sum(f["area"]) == moved["properties"]["surface_area"] and
+          near(sum(f["signed_volume"]), 48000) and
+          max(x for x, _, _ in f["centroid"]) == 5, f)
+    flat = d.post(stl([((0, 0, 0), (1, 1, 1), (3, 3, 3)), ((0, 0, 1), (1, 0, 1), (0, 1, 1))]),
+                  query="include=facets").json["facets"]
+    check("a degenerate triangle has no normal, and area 0", flat["normal"] == [None, [0, 0, 1]]
+          and flat["height"] == [None, 1] and flat["area"] == [0, 0.5], flat)
+    check("facets are null where nobody asked", d.post(stl(RING)).json["facets"] is None)
+    many = 500_001
+    one = struct.pack("<12fH", 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
+    a = d.post(bytes(80) + struct.pack("<I", many) + one * many, query="include=facets&defects=0")
+    check("too many facets are refused, with the limit", a.status == 413 and
+          a.json["code"] == "too_many_triangles" and a.json["option"] == "include" and
+          a.json["limit"] == many - 1 and a.json["actual"] == many, a)
+
+
+def test_digest(d):
+    data = stl(RING)
+    want = hashlib.sha256(data).hexdigest()
+    a = d.post(data, query="include=digest")
+    check("the digest is that of the file", a.json["input"]["sha256"] == want and
+          "sha256_of_files" not in a.json["input"], a.json["input"])
+    a = d.post(gzip.compress(data), "-H", "Content-Encoding: gzip", query="include=digest,facets")
+    check("not of how it was packed", a.json["input"]["sha256"] == want, a.json["input"])
+    check("it is null where nobody asked", d.post(data).json["input"]["sha256"] is None)
+    other = stl(torus((500, 0, 0), 30, 8))
+    with tempfile.TemporaryDirectory() as tmp:
+        for name, content in (("a.stl", data), ("b.stl", other)):
+            with open(os.path.join(tmp, name), "wb") as f:
+                f.write(content)
+        files = [x for n in ("a.stl", "b.stl") for x in ("-F", f"file=@{os.path.join(tmp, n)}")]
+        a = d.curl("/v1/mass-properties", "-F", "include=digest", *files)
+        check("of several files the first, and a list of all",
+              a.json["input"]["sha256"] == want and
+              a.json["input"]["sha256_of_files"] == [want, hashlib.sha256(other).hexdigest()], a)
+        a = d.curl("/v1/mass-properties", *files, "-F", "include=digest")
+        check("behind the files it is too late", a.status == 400 and
+              a.json["code"] == "bad_option" and a.json["option"] == "include", a)
+        a = d.curl("/v1/mass-properties", *files, "-F", "include=facets")
+        check("for facets it is not", a.status == 200 and
+              len(a.json["facets"]["area"]) == a.json["mesh"]["triangles"], a.status)
+
+
 def main():
     with Daemon() as d:
         test_uncertainty(d)
         test_quantisation(d)
+        test_facets(d)
+        test_digest(d)
     finish()
 
 

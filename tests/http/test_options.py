@@ -93,11 +93,11 @@ BAD = {
     "format": ("", "STL", "step", "stl-binary"), "flip": ("", "1", "yes", "TRUE", "on"),
     "strict": ("", "0", "no", "True"), "orient": ("", "FIX"), "weld": ("", "-1", "nan"),
     "checks": ("", "none"), "precision": ("", "double"), "resolution": ("", "0", "-1", "nan"),
-    "transform": ("", "1,2,3", "nan,0,0,0,0,1,0,0,0,0,1,0"), "include": ("",),
+    "transform": ("", "1,2,3", "nan,0,0,0,0,1,0,0,0,0,1,0"), "include": ("", "facets,", "area"),
     "density[steel]": ("", "0", "x"),
 }
-LATER = ("precision=exact", "precision=certified",
-         "resolution=1e-6", "include=facets", "include=digest")
+LATER = ("precision=exact", "precision=certified", "resolution=1e-6",
+         "include=self_intersections")
 
 
 def same(got, want):

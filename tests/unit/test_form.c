@@ -247,7 +247,7 @@ static void options_stand_before_and_behind_the_file(void **state)
 	json = report("defects=5");
 	prints(json, "input",
 	       "{\"filename\":\"box.stl\",\"format\":\"stl-binary\",\"bytes\":684,"
-	       "\"unit\":\"m\",\"transform\":null}");
+	       "\"unit\":\"m\",\"transform\":null,\"sha256\":null}");
 	prints(json, "properties.mass", "3000");
 	prints(json, "properties.signed_volume", "-6");
 	assert_true(cJSON_IsArray(at(json, "properties.inertia.about_point")));
@@ -428,6 +428,32 @@ static void a_value_has_a_limit(void **state)
 	option("unit", value);
 	end();
 	refused(NULL, API_BAD_OPTION, "unit", "one of mm");
+}
+
+static void a_digest_is_asked_for_before_the_files(void **state)
+{
+	(void)state;
+	for (int when = 0; when < 3; when++) { /* before, between, behind */
+		begin();
+		if (when == 0)
+			option("include", "digest");
+		box_part(0, "name=\"file\"; filename=\"a.stl\"");
+		if (when == 1)
+			option("include", "facets,digest");
+		box_part(5, "name=\"file\"; filename=\"b.stl\"");
+		if (when == 2)
+			option("include", "digest");
+		end();
+		if (when == 0)
+			cJSON_Delete(report(NULL));
+		else
+			refused(NULL, API_BAD_OPTION, "include", "before the files");
+	}
+	begin();
+	box_part(0, "name=\"file\"; filename=\"a.stl\"");
+	option("include", "facets"); /* of which nothing is gone */
+	end();
+	cJSON_Delete(report(NULL));
 }
 
 static void a_format_behind_the_file_must_be_what_was_found(void **state)
@@ -709,6 +735,7 @@ int main(void)
 	    cmocka_unit_test(options_are_judged_as_in_the_query),
 	    cmocka_unit_test(options_are_checked_together_at_the_end),
 	    cmocka_unit_test(a_value_has_a_limit),
+	    cmocka_unit_test(a_digest_is_asked_for_before_the_files),
 	    cmocka_unit_test(a_format_behind_the_file_must_be_what_was_found),
 	    cmocka_unit_test(a_problem_names_the_file),
 	    cmocka_unit_test(a_form_may_be_compressed),

@@ -220,7 +220,7 @@ static void the_box_of_the_contract_prints_as_there(void **state)
 	a = ask(&head, f.bytes, f.len, 17);
 	assert_int_equal(a.status, 200);
 	has(&a, "\"input\":{\"filename\":\"box.stl\",\"format\":\"stl-binary\",\"bytes\":684,"
-		"\"unit\":\"mm\",\"transform\":null}");
+		"\"unit\":\"mm\",\"transform\":null,\"sha256\":null}");
 	has(&a, "\"mesh\":{\"triangles\":12,\"polygons\":0,\"surfaces\":0,\"vertices\":8,"
 		"\"edges\":18,\"bodies\":1,\"euler_characteristic\":2,\"bounding_box\":"
 		"{\"min\":[0,0,0],\"max\":[40,30,20],\"size\":[40,30,20]}}");

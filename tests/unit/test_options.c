@@ -261,10 +261,27 @@ static void closed_checks_exclude_what_needs_a_table(void **state)
 	bad("orient=fix&checks=closed", "orient");
 	bad("checks=closed&transform=1,0,0,0,0,1,0,0,0,0,1,0", "transform");
 	(void)accepts("checks=closed&weld=0");
+	bad("checks=closed&include=digest,facets", "include");
+	(void)accepts("checks=closed&include=digest");
 	bad("checks=closed&format=obj", "checks");
 	bad("format=drc&checks=closed", "checks");
 	bad("checks=open", "checks");
 	(void)accepts("checks=full&precision=exact&density[a]=1&format=stl");
+}
+
+static void extras_are_a_list(void **state)
+{
+	struct api_options o;
+
+	(void)state;
+	o = accepts("include=facets");
+	assert_int_equal(o.include, API_INCLUDE_FACETS);
+	o = accepts("include=digest,facets");
+	assert_int_equal(o.include, API_INCLUDE_FACETS | API_INCLUDE_DIGEST);
+	o = accepts("include=digest,digest");
+	assert_int_equal(o.include, API_INCLUDE_DIGEST);
+	o = accepts("unit=mm");
+	assert_int_equal(o.include, 0);
 }
 
 static void options_of_a_later_stage_take_their_default_alone(void **state)
@@ -272,7 +289,8 @@ static void options_of_a_later_stage_take_their_default_alone(void **state)
 	(void)state;
 	(void)accepts("precision=auto&resolution=1e-9");
 	later("resolution=1e-6", "resolution");
-	later("include=facets,digest", "include");
+	later("include=self_intersections", "include");
+	later("include=digest,self_intersections", "include");
 }
 
 static void options_of_a_later_stage_are_checked_all_the_same(void **state)
@@ -282,6 +300,11 @@ static void options_of_a_later_stage_are_checked_all_the_same(void **state)
 	bad("weld=-1", "weld");
 	bad("checks=", "checks");
 	bad("include=", "include");
+	bad("include=facets,", "include");
+	bad("include=,facets", "include");
+	bad("include=Facets", "include");
+	bad("include=facets digest", "include");
+	bad("include=facets,,digest", "include");
 	bad("resolution=0", "resolution");
 	bad("density[a]=heavy", "density[a]");
 }
@@ -502,7 +525,7 @@ static void the_list_of_options_ends(void **state)
 	for (; api_option_name(n) != NULL; n++)
 		now += api_option_supported(n);
 	assert_int_equal(n, 22);
-	assert_int_equal(now, 20);
+	assert_int_equal(now, 21);
 	assert_null(api_option_name(n + 1000));
 	assert_false(api_option_supported(n));
 }
@@ -521,6 +544,7 @@ int main(void)
 	    cmocka_unit_test(unknown_options_are_refused_by_name),
 	    cmocka_unit_test(exclusive_options_are_refused),
 	    cmocka_unit_test(closed_checks_exclude_what_needs_a_table),
+	    cmocka_unit_test(extras_are_a_list),
 	    cmocka_unit_test(options_of_a_later_stage_take_their_default_alone),
 	    cmocka_unit_test(options_of_a_later_stage_are_checked_all_the_same),
 	    cmocka_unit_test(a_transform_is_three_rows_or_four),

@@ -192,7 +192,7 @@ static bool warns(const cJSON *json, const char *code)
 static const char contract_box[] =
     "{\"schema\":\"masspropd/1\",\"precision\":\"exact\","
     "\"input\":{\"filename\":\"box.stl\",\"format\":\"stl-binary\",\"bytes\":684,"
-    "\"unit\":\"mm\",\"transform\":null},"
+    "\"unit\":\"mm\",\"transform\":null,\"sha256\":null},"
     "\"units\":{\"length\":\"mm\",\"area\":\"mm2\",\"volume\":\"mm3\",\"mass\":\"kg\","
     "\"density\":\"kg/m3\",\"inertia\":\"kg.mm2\"},"
     "\"mesh\":{\"triangles\":12,\"polygons\":0,\"surfaces\":0,\"vertices\":8,\"edges\":18,"
@@ -228,7 +228,7 @@ static const char contract_box[] =
     "\"orientation\":\"outward\",\"depth\":0,\"parent\":null,\"cavity\":false,\"name\":null}],"
     "\"defects\":{\"boundary_edges\":[],\"boundary_loops\":[],\"non_manifold_edges\":[],"
     "\"non_manifold_vertices\":[],\"misoriented_edges\":[],\"degenerate_triangles\":[],"
-    "\"duplicate_triangles\":[],\"truncated\":false},"
+    "\"duplicate_triangles\":[],\"truncated\":false},\"facets\":null,"
     "\"repairs\":{\"flipped_triangles\":0,\"welded_vertices\":0},\"warnings\":[],"
     "\"timing_ms\":{\"receive\":0.1,\"queue\":0,\"decode\":0.123,\"analyse\":0}}";
 
