@@ -238,7 +238,8 @@ static void the_box_of_the_contract_prints_as_there(void **state)
 		"\"quaternion_wxyz\":[1,0,0,0],\"radii_of_gyration\":[10.408");
 	has(&a, "\"bodies\":[{\"triangles\":12,\"volume\":24000,");
 	has(&a, "\"inertia_about_centroid\":[[7.02,0,0],[0,10.8,0],[0,0,13.5]],\"bounding_box\":"
-		"{\"min\":[0,0,0],\"max\":[40,30,20]},\"watertight\":true,"
+		"{\"min\":[0,0,0],\"max\":[40,30,20]},\"watertight\":true,\"orientable\":true,"
+		"\"genus\":0,"
 		"\"orientation\":\"outward\",\"depth\":0,\"parent\":null,\"cavity\":false,"
 		"\"name\":null}]");
 	has(&a, "\"warnings\":[{\"code\":\"unit_assumed\",");
