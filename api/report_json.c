@@ -205,7 +205,8 @@ static void add_checks(struct doc *d, cJSON *root)
 		api_json_null(j, c, "overlapping_bodies");
 	api_json_null(j, c, "self_intersections");
 	api_json_vector(j, c, "closure_defect", true, d->r->closure_defect, 3);
-	api_json_null(j, c, "closes_at_tolerance");
+	api_json_value(j, c, "closes_at_tolerance", d->r->closes_at_tolerance > 0,
+		       d->r->closes_at_tolerance);
 	add_by_index(d, c);
 }
 

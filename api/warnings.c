@@ -94,6 +94,11 @@ static const struct api_warning rows[WARNINGS] = {
     [MP_WARN_NUL_BYTES] =
 	{"nul_bytes", "The file ends with NUL characters, as some programs write them. They were "
 		      "passed over."},
+    [MP_WARN_NEARLY_CLOSED] =
+	{"nearly_closed",
+	 "The surface is open only because corners that should meet are apart by what rounding to "
+	 "single precision does. Send weld= with the number in checks.closes_at_tolerance: the "
+	 "surface is then closed, and volume, mass, centroid and inertia are given."},
     [MP_WARN_NON_ORIENTABLE] =
 	{"non_orientable",
 	 "Some bodies have only one side, as a Moebius strip or a Klein bottle has: nothing is "

@@ -218,6 +218,12 @@ static bool before(const double *p, const double *q)
 	return false;
 }
 
+/* Point ${i} of the cloud. */
+static uint32_t vertex(const struct cloud *c, uint32_t i)
+{
+	return c->which != NULL ? c->which[i] : i;
+}
+
 /* Is place ${x} of the tree smaller than ${y}? */
 static bool smaller(const struct joiner *j, const struct cloud *c, uint32_t x, uint32_t y)
 {
@@ -226,15 +232,14 @@ static bool smaller(const struct joiner *j, const struct cloud *c, uint32_t x, u
 
 	if (before(a->p, b->p) || before(b->p, a->p) || c->map == NULL)
 		return before(a->p, b->p);
-	mp_vertices_get(c->vertices, a->id, p);
-	mp_vertices_get(c->vertices, b->id, q);
+	mp_vertices_get(c->vertices, vertex(c, a->id), p);
+	mp_vertices_get(c->vertices, vertex(c, b->id), q);
 	return before(p, q);
 }
 
 /* Which place each set goes by. */
 static void elect(const struct joiner *j, const struct cloud *c, uint32_t *leader)
 {
-	const uint32_t *which = c->which;
 	const struct mp_near_point *point = j->tree.point;
 	uint32_t *best = j->parent; /* of each root, once leader[] has the roots */
 
@@ -248,11 +253,8 @@ static void elect(const struct joiner *j, const struct cloud *c, uint32_t *leade
 		if (smaller(j, c, x, best[root]))
 			best[root] = x;
 	}
-	for (uint32_t i = 0; i < j->tree.count; i++) {
-		uint32_t id = point[best[leader[i]]].id;
-
-		leader[i] = which != NULL ? which[id] : id;
-	}
+	for (uint32_t i = 0; i < j->tree.count; i++)
+		leader[i] = vertex(c, point[best[leader[i]]].id);
 }
 
 static uint64_t seed_of(const uint8_t key[16])
@@ -263,17 +265,19 @@ static uint64_t seed_of(const uint8_t key[16])
 	return half[0] ^ (half[1] << 1);
 }
 
-/* Place ${i} of the cloud. */
+/* Where it is. */
 static void get_point(const struct cloud *c, uint32_t i, double p[3])
 {
-	mp_vertices_get(c->vertices, c->which != NULL ? c->which[i] : i, p);
+	mp_vertices_get(c->vertices, vertex(c, i), p);
 	if (c->map != NULL)
 		(void)mp_affine_point(c->map, p, p);
 }
 
-static int find(const struct cloud *c, uint32_t count, double distance, const uint8_t key[16],
-		uint32_t *leader, bool *complete, struct mp_error *err)
+int mp_cluster_find(const struct mp_vertices *vertices, const struct mp_affine *map,
+		    const uint32_t *which, uint32_t count, double distance, const uint8_t key[16],
+		    uint32_t *leader, bool *complete, struct mp_error *err)
 {
+	const struct cloud cloud = {vertices, which, map};
 	const unsigned depth = mp_near_depth(count);
 	struct joiner j = {.tree = {.count = count, .depth = depth}, .complete = true};
 	const struct part all = {1, 0, count, 0};
@@ -290,7 +294,7 @@ static int find(const struct cloud *c, uint32_t count, double distance, const ui
 		goto out;
 	}
 	for (uint32_t i = 0; i < count; i++) {
-		get_point(c, i, j.tree.point[i].p);
+		get_point(&cloud, i, j.tree.point[i].p);
 		j.tree.point[i].id = i;
 		j.parent[i] = i;
 	}
@@ -298,7 +302,7 @@ static int find(const struct cloud *c, uint32_t count, double distance, const ui
 	j.steps = STEPS + (uint64_t)STEPS_PER_POINT * count;
 	mp_near_build(&j.tree, seed_of(key));
 	join_self(&j, &all);
-	elect(&j, c, leader);
+	elect(&j, &cloud, leader);
 	*complete = j.complete;
 	ret = 0;
 out:
@@ -306,22 +310,4 @@ out:
 	free(j.tree.node);
 	free(j.tree.point);
 	return ret;
-}
-
-int mp_cluster_find(const struct mp_vertices *vertices, const uint32_t *which, uint32_t count,
-		    double distance, const uint8_t key[16], uint32_t *leader, bool *complete,
-		    struct mp_error *err)
-{
-	const struct cloud cloud = {vertices, which, NULL};
-
-	return find(&cloud, count, distance, key, leader, complete, err);
-}
-
-int mp_cluster_find_mapped(const struct mp_vertices *vertices, const struct mp_affine *map,
-			   double distance, const uint8_t key[16], uint32_t *leader, bool *complete,
-			   struct mp_error *err)
-{
-	const struct cloud cloud = {vertices, NULL, map};
-
-	return find(&cloud, mp_vertices_count(vertices), distance, key, leader, complete, err);
 }

@@ -7,6 +7,7 @@
 #include "core/bodies/bodies.h"
 #include "core/moments/mass.h"
 #include "core/moments/solid.h"
+#include "core/repair/nearly_closed.h"
 #include "core/repair/orient.h"
 #include "core/repair/weld.h"
 
@@ -73,7 +74,7 @@ static void mark_one_sided(const struct mp_oriented *o, struct mp_report *r)
 	mp_warn(r, MP_WARN_NON_ORIENTABLE, o->one_sided != NULL);
 }
 
-int mp_repair_judge(const struct mp_mesh *mesh, struct mp_report *r, struct mp_error *err)
+static int judge_winding(const struct mp_mesh *mesh, struct mp_report *r, struct mp_error *err)
 {
 	const struct mp_topology *t = &r->topology;
 	size_t size = mesh->triangles * sizeof *mesh->tri;
@@ -98,5 +99,17 @@ int mp_repair_judge(const struct mp_mesh *mesh, struct mp_report *r, struct mp_e
 		r->volume_if_oriented_defined =
 		    mp_in_range(fabsl(o.volume), &r->volume_if_oriented);
 	mp_oriented_free(&o);
+	return 0;
+}
+
+int mp_repair_judge(const struct mp_mesh *mesh, const uint8_t key[16], struct mp_report *r,
+		    struct mp_error *err)
+{
+	if (judge_winding(mesh, r, err))
+		return -1;
+	if (r->topology.boundary_edges > 0 &&
+	    mp_nearly_closed(mesh, &r->box, key, &r->closes_at_tolerance, err))
+		return -1;
+	mp_warn(r, MP_WARN_NEARLY_CLOSED, r->closes_at_tolerance > 0);
 	return 0;
 }

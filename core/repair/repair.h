@@ -16,10 +16,12 @@ int mp_repair(const struct mp_request *request, const uint8_t key[16], struct mp
 	      struct mp_moments *moments, struct mp_error *err);
 
 /*
- * mp_repair_judge(mesh, report, err):
- * Where the winding of ${mesh} is not consistent: which bodies have one side only, and the volume
- * that there would be if it was repaired.  report->topology must be filled.  -1: memory is out.
+ * mp_repair_judge(mesh, key, report, err):
+ * What repairing ${mesh} would give.  Where the winding is not consistent: which bodies have one
+ * side only, and the volume that there would be with orient; where it is open: the weld tolerance
+ * at which it would be watertight.  report->topology and box must be filled.  -1: memory is out.
  */
-int mp_repair_judge(const struct mp_mesh *mesh, struct mp_report *report, struct mp_error *err);
+int mp_repair_judge(const struct mp_mesh *mesh, const uint8_t key[16], struct mp_report *report,
+		    struct mp_error *err);
 
 #endif

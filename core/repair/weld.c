@@ -12,7 +12,8 @@ int mp_weld(const struct mp_vertices *vertices, const struct mp_affine *map, uin
 	out->went = 0;
 	if (leader == NULL)
 		return mp_fail_nomem(err);
-	if (mp_cluster_find_mapped(vertices, map, distance, key, leader, &out->complete, err)) {
+	if (mp_cluster_find(vertices, map, NULL, count, distance, key, leader, &out->complete,
+			    err)) {
 		free(leader);
 		return -1;
 	}

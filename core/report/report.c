@@ -212,7 +212,8 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	mp_report_map_box(&mesh, &box, r);
 	if (mp_named_sort(named, request, &a->names, mesh.triangles, err) ||
 	    mp_topology_find(&mesh, request->defects, &r->topology, err) ||
-	    mp_repair_judge(&mesh, r, err) || mp_named_bodies(named, &mesh, &r->topology, err) ||
+	    mp_repair_judge(&mesh, a->request.key, r, err) ||
+	    mp_named_bodies(named, &mesh, &r->topology, err) ||
 	    mp_bodies_measure(&mesh, &r->topology, request->bodies, &a->moments, named, &whole,
 			      bodies, err) ||
 	    mp_capped_find(&mesh, &r->topology, &a->moments, &r->capped, err) ||

@@ -50,6 +50,7 @@ enum mp_warning {
 	MP_WARN_NONPLANAR,           /* polygons that are not flat */
 	MP_WARN_TANGLED,             /* polygons that cross themselves: the area is off */
 	MP_WARN_NUL_BYTES,           /* text that ends with NUL characters */
+	MP_WARN_NEARLY_CLOSED,       /* open, but watertight when welded at what rounding does */
 	MP_WARN_NON_ORIENTABLE,      /* some bodies have one side only */
 	MP_WARN_WELD_UNDECIDED,      /* some vertices nearer than weld may be apart still */
 	MP_WARN_INTERNAL_WALLS,      /* walls of no thickness, double or single */
@@ -177,8 +178,9 @@ struct mp_report {
 
 	struct mp_body *body; /* the first ${bodies_listed} */
 	uint32_t bodies_listed;
-	char *names;               /* what body[].name points into */
-	double volume_if_oriented; /* [L^3] that there would be if the winding was repaired */
+	char *names;                /* what body[].name points into */
+	double closes_at_tolerance; /* [L] 1 or 4 float32 ulp of the largest |coordinate|; 0: no */
+	double volume_if_oriented;  /* [L^3] that there would be if the winding was repaired */
 	bool volume_if_oriented_defined;
 	/* wound the other way than in the file: flip, orient; not what a map mirrors */
 	uint64_t flipped_triangles;

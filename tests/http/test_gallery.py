@@ -256,6 +256,21 @@ def warning_nul_bytes(d):
          volume=1)
 
 
+def warning_nearly_closed(d):
+    step = 2 ** -18  # of a float32 between 32 and 64, where the largest coordinate is
+    torn = [BOX[0][:2] + ((BOX[0][2][0], BOX[0][2][1] + 2 ** -19, BOX[0][2][2]),)] + BOX[1:]
+    a = post(d, torn)
+    check("a corner one step away", {w["code"] for w in a.json["warnings"]} ==
+          {"nearly_closed", "open_mesh"} and a.json["properties"]["volume"] is None
+          and a.json["checks"]["closes_at_tolerance"] == step, a)
+    show("welded at what the report says", post(d, torn, f"unit=mm&weld={step!r}"), set(),
+         {"closes_at_tolerance": None}, volume=24000)
+    far = [tuple(tuple(x + (1 if x == 20 else 0) for x in p) for p in t) for t in NO_LID]
+    show("a box without its lid is not", post(d, far), {"open_mesh"},
+         {**SHUT, "boundary_edges": 4, "boundary_loops": 1, "closure_defect": [0, 0, -1200],
+          "closes_at_tolerance": None})
+
+
 def warning_non_orientable(d):
     n, points = 9, []
     for i in range(n + 1):

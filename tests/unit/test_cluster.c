@@ -63,9 +63,9 @@ static void find(struct cloud *c, double distance)
 
 	free(c->leader);
 	c->leader = need(malloc(count * sizeof *c->leader));
-	assert_int_equal(
-	    mp_cluster_find(c->vertices, NULL, count, distance, KEY, c->leader, &c->complete, &err),
-	    0);
+	assert_int_equal(mp_cluster_find(c->vertices, NULL, NULL, count, distance, KEY, c->leader,
+					 &c->complete, &err),
+			 0);
 }
 
 static void cloud_free(struct cloud *c)
@@ -299,8 +299,8 @@ static void some_of_the_vertices_may_be_looked_at_alone(void **state)
 	for (size_t i = 0; i < c.count; i++)
 		c.p[i][0] = (double)i;
 	build(&c);
-	assert_int_equal(mp_cluster_find(c.vertices, which, 3, 1.5, KEY, leader, &complete, &err),
-			 0);
+	assert_int_equal(
+	    mp_cluster_find(c.vertices, NULL, which, 3, 1.5, KEY, leader, &complete, &err), 0);
 	assert_int_equal(leader[0], 4);
 	assert_int_equal(leader[1], 1);
 	assert_int_equal(leader[2], 4);
@@ -323,7 +323,8 @@ static void every_allocation_may_fail(void **state)
 		int ret;
 
 		alloc_fail_at(n);
-		ret = mp_cluster_find(c.vertices, NULL, 100, 0.5, KEY, leader, &complete, &err);
+		ret =
+		    mp_cluster_find(c.vertices, NULL, NULL, 100, 0.5, KEY, leader, &complete, &err);
 		alloc_fail_at(0);
 		if (ret == 0)
 			break;
