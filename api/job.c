@@ -34,11 +34,23 @@ static char no_memory[] = "{\"type\":\"urn:masspropd:problem:too_expensive\","
 
 static const char problem_type[] = "application/problem+json";
 static const char report_type[] = "application/json";
+static const char mesh_type[] = "model/stl";
 
 static int too_expensive(struct api_problem *p)
 {
 	return api_problem_set(p, API_TOO_EXPENSIVE,
 			       "The request needs more memory than one request may use.");
+}
+
+/* Whether the options fit together, and what is asked for. */
+static int check_options(const struct api_job_head *head, const struct api_options *o,
+			 struct api_problem *p)
+{
+	if (head->mesh && o->checks == MP_CHECKS_CLOSED)
+		return api_problem_option(p, API_BAD_OPTION, "checks", strlen("checks"),
+					  "checks=closed keeps no triangle, so there is no mesh to "
+					  "answer.");
+	return api_options_check(o, p);
 }
 
 /* What the head says; whether the options fit together is known when all of a form's are there. */
@@ -50,7 +62,7 @@ static int read_head(const struct api_job_head *head, struct api_options *o,
 		return -1;
 	if (api_options_query(o, head->query, head->query_len, p))
 		return -1;
-	return media->form ? 0 : api_options_check(o, p);
+	return media->form ? 0 : check_options(head, o, p);
 }
 
 int api_job_precheck(const struct api_job_head *head, struct api_problem *p)
@@ -207,7 +219,8 @@ static int finish(struct api_job *j)
 		*p = j->held;
 		return -1;
 	}
-	if (j->form != NULL && (api_form_finish(j->form, p) || api_options_check(&j->options, p)))
+	if (j->form != NULL &&
+	    (api_form_finish(j->form, p) || check_options(&j->head, &j->options, p)))
 		return -1;
 	if (api_files_end(&j->files, p))
 		return -1;
@@ -270,12 +283,12 @@ static int too_many_facets(struct api_job *j, const struct mp_report *r)
 	return -1;
 }
 
-/* The report as JSON, or NULL with the problem set. */
+/* The report as JSON or the mesh as STL, or NULL with the problem set. */
 static char *make_report(struct api_job *j, struct api_answer *out)
 {
 	double start = now(j);
 	struct mp_report report;
-	char *json = NULL;
+	char *body = NULL;
 
 	memset(&report, 0, sizeof report);
 	if (api_files_report(&j->files, &report, &j->problem))
@@ -285,18 +298,20 @@ static char *make_report(struct api_job *j, struct api_answer *out)
 	out->timing.analyse = (now(j) - start) * 1e3;
 	if (j->options.strict && report.solid == MP_NO) {
 		(void)not_a_solid(j, &report);
+	} else if (j->head.mesh) {
+		body = api_mesh_stl(&report, out->origin, &out->len, &j->problem);
 	} else if ((j->options.include & API_INCLUDE_FACETS) != 0 &&
 		   report.triangles > API_MOST_FACETS) {
 		(void)too_many_facets(j, &report);
 	} else {
-		json =
+		body =
 		    api_report_json(&report, &j->options, j->files.first, &out->timing, &out->len);
-		if (json == NULL)
+		if (body == NULL)
 			(void)too_expensive(&j->problem);
 	}
 	mp_report_free(&report);
 	out->timing.analyse = (now(j) - start) * 1e3;
-	return json;
+	return body;
 }
 
 static void answer_problem(struct api_job *j, struct api_answer *out)
@@ -336,7 +351,7 @@ void api_job_answer(struct api_job *j, double receive_ms, double queue_ms, struc
 		return;
 	}
 	out->status = 200;
-	out->content_type = report_type;
+	out->content_type = j->head.mesh ? mesh_type : report_type;
 }
 
 void api_answer_free(struct api_answer *answer)

@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "api/mesh_stl.h"
 #include "api/problem.h"
 
 /*
@@ -23,6 +24,7 @@ struct api_job_head {
 	const char *content_type;     /* header value, NULL for none */
 	const char *content_encoding; /* header value, NULL for none */
 	const char *filename;         /* for the report, NULL for none (a raw body) */
+	bool mesh;                    /* the answer is the mesh as analysed, not the report */
 	bool several;                 /* api_job_next_file() may follow */
 	const char *instance;         /* path, for problems */
 	const char *request_id;       /* for problems */
@@ -42,8 +44,9 @@ struct api_answer {
 	const char *content_type;
 	char *body; /* heap */
 	size_t len;
-	const char *format;        /* "stl-binary", ..., "unknown": for logs and metrics */
-	uint64_t triangles, bytes; /* decoded */
+	char origin[API_MESH_ORIGIN]; /* of a mesh, "" for anything else */
+	const char *format;           /* "stl-binary", ..., "unknown": for logs and metrics */
+	uint64_t triangles, bytes;    /* decoded */
 	struct api_timing timing;
 	bool retire; /* the process may be damaged where nothing shows it: let it serve nobody else
 		      */

@@ -47,7 +47,8 @@ enum srv_endpoint {
 	SRV_METRICS,
 	SRV_OPENAPI,
 	SRV_CAPABILITIES,
-	SRV_MASS_PROPERTIES
+	SRV_MASS_PROPERTIES,
+	SRV_MESH
 };
 
 struct srv_exchange {

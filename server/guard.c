@@ -98,27 +98,33 @@ static bool refuses(const char *params, const char *end)
 	return false;
 }
 
-/* How closely one range of an Accept header names JSON: 0 not at all, 3 by its name. */
-static int closeness(const char *range, size_t len)
+struct closeness {
+	const char *name; /* of a media range */
+	int close;        /* 1 covers everything, 3 is the type by its name */
+};
+
+static const struct closeness json[] = {{"*/*", 1},
+					{"application/*", 2},
+					{"application/json", 3},
+					{"application/problem+json", 3},
+					{NULL, 0}};
+static const struct closeness stl[] = {
+    {"*/*", 1}, {"model/*", 2}, {"model/stl", 3}, {"application/octet-stream", 3}, {NULL, 0}};
+
+/* How closely one range of an Accept header names what is ${good}: 0 not at all. */
+static int closeness(const struct closeness *good, const char *range, size_t len)
 {
-	static const struct {
-		const char *name;
-		int close;
-	} good[] = {{"*/*", 1},
-		    {"application/*", 2},
-		    {"application/json", 3},
-		    {"application/problem+json", 3}};
 
 	while (len > 0 && isspace((unsigned char)range[len - 1]))
 		len--;
-	for (size_t i = 0; i < sizeof good / sizeof good[0]; i++)
+	for (size_t i = 0; good[i].name != NULL; i++)
 		if (strlen(good[i].name) == len && strncasecmp(range, good[i].name, len) == 0)
 			return good[i].close;
 	return 0;
 }
 
 /* The closest range decides (RFC 9110, 12.5.1). */
-bool srv_accept_json(const char *accept)
+static bool accepts(const struct closeness *good, const char *accept)
 {
 	int closest = 0;
 	bool taken = false;
@@ -133,7 +139,7 @@ bool srv_accept_json(const char *accept)
 		accept += strspn(accept, " \t,");
 		len = strcspn(accept, ",");
 		params = memchr(accept, ';', len);
-		close = closeness(accept, params != NULL ? (size_t)(params - accept) : len);
+		close = closeness(good, accept, params != NULL ? (size_t)(params - accept) : len);
 		if (close > 0 && close >= closest) {
 			taken = !refuses(params, accept + len) || (close == closest && taken);
 			closest = close;
@@ -141,4 +147,14 @@ bool srv_accept_json(const char *accept)
 		accept += len;
 	}
 	return taken;
+}
+
+bool srv_accept_json(const char *accept)
+{
+	return accepts(json, accept);
+}
+
+bool srv_accept_stl(const char *accept)
+{
+	return accepts(stl, accept);
 }

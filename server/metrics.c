@@ -55,7 +55,7 @@ void srv_metrics_count(struct srv_metrics *m, const struct srv_exchange *ex)
 		return;
 	}
 	m->sent += ex->reply.len;
-	if (ex->endpoint != SRV_MASS_PROPERTIES) {
+	if (ex->endpoint != SRV_MASS_PROPERTIES && ex->endpoint != SRV_MESH) {
 		count_request(m, ex->reply.status, "");
 		return;
 	}

@@ -239,6 +239,7 @@ static void set_words(struct srv_words *words, const struct srv_exchange *ex)
 	memcpy(words->content_encoding, ex->content_encoding, sizeof words->content_encoding);
 	strncpy(words->instance, ex->path, sizeof words->instance - 1);
 	memcpy(words->request_id, ex->id, sizeof words->request_id);
+	words->mesh = ex->endpoint == SRV_MESH;
 	words->spooled = ex->body.spooled;
 }
 

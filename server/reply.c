@@ -59,6 +59,8 @@ void srv_reply_headers(const struct srv_exchange *ex, adder *add, void *to)
 	add(to, "X-Content-Type-Options", "nosniff");
 	add(to, "Cache-Control", "no-store");
 	cors(ex, add, to);
+	if (ex->has_result && ex->result.origin[0] != '\0')
+		add(to, "Mesh-Origin", ex->result.origin);
 	if (r->allow != NULL)
 		add(to, "Allow", r->allow);
 	if (r->authenticate != NULL)
@@ -128,12 +130,13 @@ static bool sane(struct srv_result *r, int fd)
 {
 	r->format[sizeof r->format - 1] = '\0';
 	r->content_type[sizeof r->content_type - 1] = '\0';
+	r->origin[sizeof r->origin - 1] = '\0';
 	if (fd < 0 ? r->len > SRV_ANSWER
 		   : r->len > INT64_MAX || lseek(fd, 0, SEEK_END) != (off_t)r->len)
 		return false;
 	return r->status >= 200 && r->status < 600 && r->code >= 0 && r->code < API_CODES &&
 	       r->content_type[0] != '\0' && plain(r->content_type) && plain(r->format) &&
-	       is_time(r->decode_ms) && is_time(r->analyse_ms);
+	       plain(r->origin) && is_time(r->decode_ms) && is_time(r->analyse_ms);
 }
 
 /*

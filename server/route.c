@@ -108,7 +108,7 @@ static void metrics(struct srv_exchange *ex)
 	free(text);
 }
 
-/* ---- POST /v1/mass-properties ---- */
+/* ---- POST /v1/mass-properties, POST /v1/mesh ---- */
 
 static void copy_header(const char *value, char *out, bool *has)
 {
@@ -133,7 +133,18 @@ static int words_fit(struct srv_exchange *ex, const struct srv_head *h)
 	return 0;
 }
 
-static void mass_properties(struct srv_exchange *ex, const struct srv_head *h, uint64_t length)
+/* Can what this endpoint answers be taken? */
+static bool acceptable(struct srv_exchange *ex, const struct srv_head *h)
+{
+	if (ex->endpoint == SRV_MESH ? srv_accept_stl(h->accept) : srv_accept_json(h->accept))
+		return true;
+	refuse(ex, API_NOT_ACCEPTABLE,
+	       ex->endpoint == SRV_MESH ? "only model/stl can be answered"
+					: "only application/json can be answered");
+	return false;
+}
+
+static void take_mesh(struct srv_exchange *ex, const struct srv_head *h, uint64_t length)
 {
 	struct srv_front *f = ex->front;
 	struct api_job_head head = {.limits = {f->config->max_decoded, f->config->max_triangles},
@@ -146,10 +157,9 @@ static void mass_properties(struct srv_exchange *ex, const struct srv_head *h, u
 		refuse(ex, API_DRAINING, "the service is being shut down; ask another replica");
 		return;
 	}
-	if (!srv_accept_json(h->accept)) {
-		refuse(ex, API_NOT_ACCEPTABLE, "only application/json can be answered");
+	if (!acceptable(ex, h))
 		return;
-	}
+	head.mesh = ex->endpoint == SRV_MESH;
 	if (length != API_NONE && length > f->config->max_body) {
 		refuse_limit(ex, API_BODY_TOO_LARGE, "the body is too large", f->config->max_body,
 			     length);
@@ -183,6 +193,7 @@ static const struct route {
     {"/openapi.json", SRV_OPENAPI, false},
     {"/v1/capabilities", SRV_CAPABILITIES, false},
     {"/v1/mass-properties", SRV_MASS_PROPERTIES, true},
+    {"/v1/mesh", SRV_MESH, true},
 };
 
 static const struct route *find(const char *path)
@@ -270,7 +281,7 @@ static void dispatch(struct srv_exchange *ex, const struct srv_head *h, uint64_t
 				 ex->front->capabilities_len);
 	} else {
 		ex->endpoint = r->endpoint;
-		mass_properties(ex, h, length);
+		take_mesh(ex, h, length);
 	}
 }
 

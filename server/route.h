@@ -30,4 +30,7 @@ bool srv_cors_allows(const struct srv_config *config, const char *origin);
 /* Does an Accept header (NULL: none) take application/json? */
 bool srv_accept_json(const char *accept);
 
+/* The same for model/stl. */
+bool srv_accept_stl(const char *accept);
+
 #endif

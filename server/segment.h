@@ -27,6 +27,7 @@ struct srv_words { /* front to worker */
 	uint32_t query_len;
 	bool has_content_type, has_content_encoding;
 	char content_type[SRV_HEADER_MAX], content_encoding[SRV_HEADER_MAX];
+	bool mesh; /* the mesh is wanted, not the report */
 	char instance[32], request_id[SRV_ID_MAX + 1];
 	uint64_t spooled; /* bytes of the body that come first, from the descriptor sent along */
 };
@@ -38,6 +39,7 @@ struct srv_result {           /* worker to front */
 	double decode_ms, analyse_ms;
 	char format[SRV_FORMAT_NAME];
 	char content_type[64];
+	char origin[API_MESH_ORIGIN];
 };
 
 struct srv_segment {

@@ -145,6 +145,7 @@ static int place_answer(struct worker *w, const struct api_answer *a)
 	r->analyse_ms = a->timing.analyse;
 	copy_text(r->format, sizeof r->format, a->format);
 	copy_text(r->content_type, sizeof r->content_type, a->content_type);
+	copy_text(r->origin, sizeof r->origin, a->origin);
 	if (a->len <= SRV_ANSWER) {
 		memcpy(w->segment->answer, a->body, a->len);
 	} else {
@@ -187,6 +188,7 @@ static struct api_job *begin(struct worker *w)
 	    .content_encoding = words->has_content_encoding ? words->content_encoding : NULL,
 	    .instance = words->instance,
 	    .request_id = words->request_id,
+	    .mesh = words->mesh,
 	    .limits = {w->config->max_decoded, w->config->max_triangles},
 	    .now = srv_now};
 
