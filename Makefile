@@ -80,7 +80,7 @@ libs      := $(BUILD)/libserver.a $(BUILD)/libapi.a $(BUILD)/libmasspropd.a
 unit      := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/unit/test_*.c))
 unit_help := $(call objects,$(filter-out tests/unit/test_%,$(wildcard tests/unit/*.c)))
 fuzz      := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
-wrap      := $(if $(unit_help),-Wl$(comma)--wrap=malloc$(comma)--wrap=calloc$(comma)--wrap=realloc)
+wrap      := $(if $(unit_help),-Wl$(comma)--wrap=malloc$(comma)--wrap=calloc$(comma)--wrap=realloc$(comma)--wrap=free)
 bench     := $(addprefix $(BUILD)/tests/bench/,generate discard stages bare_draco)
 tests     := $(unit) $(fuzz) $(bench) $(BUILD)/sample/flange.stl
 
