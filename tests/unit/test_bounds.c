@@ -21,9 +21,9 @@
  * many times slower, and sees as much in fewer meshes.
  */
 #ifdef MP_SANITIZED
-enum { MESHES = 1500 };
+enum { MESHES = 1500, AROUND = 100 };
 #else
-enum { MESHES = 12000 };
+enum { MESHES = 12000, AROUND = 708 };
 #endif
 
 enum field { VOLUME, AREA, MASS, CENTROID, INERTIA, ORIGIN, MOMENTS, AXES, RADII, FIELDS };
@@ -274,11 +274,51 @@ static void test_bounds_of_a_large_mesh(void **unused)
 	mesh_free(&m);
 }
 
+/*
+ * As files have them: float32, far from the origin, a part with a cavity, flat.  Exact numbers are
+ * rounded once at any size.
+ */
+static void test_bounds_of_a_million_triangles(void **unused)
+{
+	static const enum mp_precision_wish wish[2] = {MP_WISH_CERTIFIED, MP_WISH_EXACT};
+	const struct truth_density density = {1, 1, 0};
+	struct mesh m = {0};
+	struct truth o;
+
+	(void)unused;
+	mesh_torus(&m, 300, 100, AROUND, AROUND / 2);
+	mesh_torus(&m, 300, 40, AROUND, AROUND / 2);
+	mesh_flip(&m, m.count / 2);
+	mesh_scale(&m, 0, 1, 1, 0.01);
+	mesh_move(&m, 0, 40000, -7000, 300);
+	for (size_t i = 0; i < 9 * m.count; i++)
+		m.tri[i / 9][i % 9] = (double)(float)m.tri[i / 9][i % 9];
+	truth_init(&o);
+	truth_find(&o, &m, &density);
+	for (int w = 0; w < 2; w++) {
+		struct mp_request request = request_plain();
+		struct tally t = {0};
+		struct mp_report r;
+
+		request.precision = wish[w];
+		report_of_binary(&m, &request, &r);
+		assert_int_equal(r.precision, w == 0 ? MP_PRECISION_CERTIFIED : MP_PRECISION_EXACT);
+		check_solid(&t, &o, &r);
+		for (int f = 0; f < FIELDS; f++)
+			assert_true(f == AREA || (t.seen[f] == 1 && t.broken[f] == 0));
+		assert_true(r.bounds.volume <= 1e-13 * r.total.volume);
+		mp_report_free(&r);
+	}
+	truth_clear(&o);
+	mesh_free(&m);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(test_no_result_is_beyond_its_bound),
 	    cmocka_unit_test(test_bounds_of_a_large_mesh),
+	    cmocka_unit_test(test_bounds_of_a_million_triangles),
 	};
 
 	return cmocka_run_group_tests_name("bounds", tests, NULL, NULL);
