@@ -207,9 +207,10 @@ static int set_resolution(struct api_options *o, const struct api_value *v)
 
 static const struct {
 	const char *word;
-	unsigned bit; /* 0: of a later stage */
-} extras[] = {
-    {"facets", API_INCLUDE_FACETS}, {"digest", API_INCLUDE_DIGEST}, {"self_intersections", 0}};
+	unsigned bit;
+} extras[] = {{"facets", API_INCLUDE_FACETS},
+	      {"digest", API_INCLUDE_DIGEST},
+	      {"self_intersections", API_INCLUDE_SELF_INTERSECTIONS}};
 
 static int include_one(struct api_options *o, const struct api_value *all, const char *word,
 		       size_t len)
@@ -220,7 +221,7 @@ static int include_one(struct api_options *o, const struct api_value *all, const
 		if (!api_value_is(&v, extras[i].word))
 			continue;
 		o->include |= extras[i].bit;
-		return extras[i].bit != 0 ? 0 : not_yet(&v);
+		return 0;
 	}
 	return api_value_bad(&v, "a list of facets, digest, self_intersections");
 }

@@ -112,6 +112,8 @@ static int check_closed(const struct api_options *o, struct api_problem *p)
 		return not_with_closed(p, "orient", "orienting");
 	if ((o->include & API_INCLUDE_FACETS) != 0)
 		return not_with_closed(p, "include", "a list of facets");
+	if ((o->include & API_INCLUDE_SELF_INTERSECTIONS) != 0)
+		return not_with_closed(p, "include", "self_intersections");
 	return 0;
 }
 
@@ -147,6 +149,7 @@ void api_options_request(const struct api_options *o, struct mp_request *out)
 	out->weld = o->weld;
 	out->precision = o->precision;
 	out->checks = o->checks;
+	out->self_intersections = (o->include & API_INCLUDE_SELF_INTERSECTIONS) != 0;
 	out->density_kind = MP_DENSITY_NONE;
 	out->density = 0;
 	out->density_divisor = 1;

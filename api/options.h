@@ -13,7 +13,7 @@ enum api_density_unit { API_KG_M3, API_G_CM3, API_LB_IN3, API_DENSITY_FILE, API_
 enum api_mass_unit { API_KG, API_G, API_LB, API_MASS_UNITS };
 
 /* What include asks for; bits. */
-enum { API_INCLUDE_FACETS = 1, API_INCLUDE_DIGEST = 2 };
+enum { API_INCLUDE_FACETS = 1, API_INCLUDE_DIGEST = 2, API_INCLUDE_SELF_INTERSECTIONS = 4 };
 
 /* What came beside the options and is told in the report. */
 struct api_sent {

@@ -57,3 +57,53 @@ void api_facets_add(struct api_json *j, cJSON *root, const struct mp_report *r, 
 		api_json_text(j, o, names[c], &column[c]);
 	}
 }
+
+static void count(struct api_json *j, cJSON *checks, const char *name, const struct mp_crossings *c)
+{
+	if (c->decided)
+		api_json_count(j, checks, name, c->count);
+	else
+		api_json_null(j, checks, name);
+}
+
+void api_crossings_count(struct api_json *j, cJSON *checks, const struct mp_report *r)
+{
+	count(j, checks, "overlapping_bodies", &r->overlaps);
+	count(j, checks, "self_intersections", &r->self);
+}
+
+static void put_places(const struct mp_crossings *c, struct api_text *out)
+{
+	api_text_say(out, "[");
+	for (size_t i = 0; i < c->listed; i++) {
+		const struct mp_crossing *x = &c->list[i];
+
+		api_text_say(out, i > 0 ? ",{\"triangles\":[" : "{\"triangles\":[");
+		api_text_count(out, x->triangle[0]);
+		api_text_say(out, ",");
+		api_text_count(out, x->triangle[1]);
+		api_text_say(out, "],\"vertices\":[");
+		for (uint32_t k = 0; k < x->points; k++) {
+			if (k > 0)
+				api_text_say(out, ",");
+			api_text_vector(out, x->point[k], 3);
+		}
+		api_text_say(out, "]}");
+	}
+	api_text_say(out, "]");
+}
+
+/* At most 100,000 of each, of a few hundred bytes: they need no limit of their own. */
+static void list(struct api_json *j, cJSON *defects, const char *name, const struct mp_crossings *c)
+{
+	struct api_text t = {0};
+
+	put_places(c, &t);
+	api_json_text(j, defects, name, &t);
+}
+
+void api_crossings_list(struct api_json *j, cJSON *defects, const struct mp_report *r)
+{
+	list(j, defects, "overlapping_bodies", &r->overlaps);
+	list(j, defects, "self_intersections", &r->self);
+}

@@ -17,4 +17,8 @@ void api_facets_add(struct api_json *, cJSON *root, const struct mp_report *repo
 
 enum { API_MOST_FACETS = 500000 }; /* in one document: at most 120 MB */
 
+/* overlapping_bodies and self_intersections: how many, under checks; and where, under defects. */
+void api_crossings_count(struct api_json *, cJSON *checks, const struct mp_report *report);
+void api_crossings_list(struct api_json *, cJSON *defects, const struct mp_report *report);
+
 #endif

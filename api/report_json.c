@@ -199,11 +199,7 @@ static void add_checks(struct doc *d, cJSON *root)
 	add_known(d, c, "double_walls", t->double_walls);
 	add_known(d, c, "single_walls", t->single_walls);
 	api_json_count(j, c, "normals_disagreeing", d->r->notes.normals_disagreeing);
-	if (d->r->overlapping == MP_NO)
-		api_json_count(j, c, "overlapping_bodies", 0);
-	else
-		api_json_null(j, c, "overlapping_bodies");
-	api_json_null(j, c, "self_intersections");
+	api_crossings_count(j, c, d->r);
 	api_json_vector(j, c, "closure_defect", true, d->r->closure_defect, 3);
 	api_json_value(j, c, "closes_at_tolerance", d->r->closes_at_tolerance > 0,
 		       d->r->closes_at_tolerance);
@@ -349,6 +345,7 @@ static void add_defects(struct doc *d, cJSON *root)
 		left -= t.len < left ? t.len : left;
 		api_json_text(&d->j, defects, names[k], &t);
 	}
+	api_crossings_list(&d->j, defects, d->r);
 	api_json_bool(&d->j, defects, "truncated", d->r->topology.truncated || d->lists_cut);
 }
 

@@ -177,6 +177,8 @@ static void put_defects(struct table *t)
 	    {"duplicate", "checks.duplicate_triangles"},
 	    {"double walls", "checks.double_walls"},
 	    {"single walls", "checks.single_walls"},
+	    {"overlapping bodies", "checks.overlapping_bodies"},
+	    {"self-intersections", "checks.self_intersections"},
 	    {"normals disagreeing", "checks.normals_disagreeing"},
 	};
 

@@ -115,6 +115,24 @@ static const struct api_warning rows[WARNINGS] = {
 	 "area counts both sides. A single wall leaves edges with an odd number of triangles: the "
 	 "mesh is not closed, and volume, mass, centroid and inertia are not given until it is "
 	 "removed."},
+    [MP_WARN_OVERLAPPING] =
+	{"overlapping_bodies",
+	 "Some bodies overlap: their surfaces pass through each other, or they fill the same "
+	 "space. Space that they have in common counts once for each of them, so volume and mass "
+	 "are too large. Unite the bodies and send the file again."},
+    [MP_WARN_OVERLAP_UNDECIDED] =
+	{"overlap_undecided",
+	 "It was not decided of all bodies whether they overlap: open ones cross others, surfaces "
+	 "that touch themselves lie on others, or there are too many places to look at. Where "
+	 "bodies overlap, their common space counts more than once."},
+    [MP_WARN_SELF_INTERSECTING] =
+	{"self_intersecting",
+	 "Some triangles pass through each other or lie on each other. Where the surface overlaps "
+	 "itself, the space counts twice, so volume and mass are too large; where faces only lie "
+	 "on each other, they are right. Other programs may refuse the part."},
+    [MP_WARN_SELF_UNDECIDED] = {"self_intersections_undecided",
+				"So many triangles are near each other that not all pairs were "
+				"compared: how many intersect is not known. Those listed do."},
     [MP_WARN_NOT_CLOSED] =
 	{"not_closed", "The surface has holes, or its winding is not consistent: volume, mass, "
 		       "centroid and inertia are not given. Send the file again with checks=full "

@@ -28,6 +28,7 @@ struct mp_request {
 	struct mp_limits limits;
 	bool flip;
 	bool orient; /* wind each body alike, and outward, or inward where it is a cavity */
+	bool self_intersections; /* find them */
 	double weld; /* [L] vertices nearer than this are one; 0: identical coordinates */
 	/*
 	 * CLOSED: STL only, else MP_BAD_CHECKS.  Nothing is kept of a triangle: memory does not

@@ -52,8 +52,8 @@ int mp_bodies_nest(const struct mp_mesh *mesh, const struct mp_topology *topolog
 		   struct mp_bodies *out, struct mp_error *err);
 void mp_bodies_free(struct mp_bodies *); /* legal on a zeroed struct */
 
-/* orientation, solid, overlapping and their warnings; topology and total must be filled. */
-int mp_bodies_judge(const struct mp_bodies *, struct mp_report *report, struct mp_error *err);
+/* orientation, solid and their warnings; topology, total and overlapping must be filled. */
+void mp_bodies_judge(const struct mp_bodies *, struct mp_report *report);
 
 /* report->body, bodies_listed and names.  ${density}: of all bodies, unless ${named} has theirs. */
 int mp_bodies_list(const struct mp_bodies *, const struct mp_density *density,

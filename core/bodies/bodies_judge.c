@@ -1,7 +1,6 @@
 #include <string.h>
 
 #include "core/bodies/bodies.h"
-#include "core/bodies/boxes.h"
 
 /* How the bodies that have a volume and a known depth are wound. */
 struct tally {
@@ -56,25 +55,20 @@ static enum mp_truth is_solid(const struct mp_report *r, const struct tally *t)
 {
 	if (!r->topology.closed || r->orientation != MP_ORIENTATION_OUTWARD || t->flat > 0)
 		return MP_NO;
-	if (r->total.volume_defined && r->total.volume == 0)
+	if ((r->total.volume_defined && r->total.volume == 0) || r->overlapping == MP_YES)
 		return MP_NO;
 	return t->undecided == 0 && r->overlapping == MP_NO ? MP_YES : MP_UNDECIDED;
 }
 
-int mp_bodies_judge(const struct mp_bodies *b, struct mp_report *r, struct mp_error *err)
+void mp_bodies_judge(const struct mp_bodies *b, struct mp_report *r)
 {
 	bool inside_out = r->total.volume_defined && r->total.volume < 0;
 	struct tally t = count(b, inside_out);
-	enum mp_truth apart;
 
-	if (mp_boxes_apart(b->box, b->count, &apart, err))
-		return -1;
-	r->overlapping = apart == MP_YES ? MP_NO : MP_UNDECIDED;
 	r->orientation = r->topology.closed ? orientation(&t) : MP_ORIENTATION_NONE;
 	r->solid = is_solid(r, &t);
 	mp_warn(r, MP_WARN_INSIDE_OUT, inside_out);
 	mp_warn(r, MP_WARN_MIXED_BODIES, r->orientation == MP_ORIENTATION_MIXED);
 	mp_warn(r, MP_WARN_CAVITY_OUTWARD, t.outward_inside);
 	mp_warn(r, MP_WARN_NESTING_UNDECIDED, t.undecided > 0);
-	return 0;
 }

@@ -228,9 +228,10 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	if (mp_report_exact_whole(x, request, &mesh, bodies, r, err) ||
 	    mp_report_uncertainty(request, &mesh, &box, &stored, r, err))
 		return -1;
-	warn(r);
-	if (mp_bodies_judge(bodies, r, err))
+	if (mp_report_crossings(request, &mesh, bodies, a->request.key, r, err))
 		return -1;
+	warn(r);
+	mp_bodies_judge(bodies, r);
 	mp_report_map_bodies(r, &mesh, bodies);
 	if (mp_bodies_list(bodies, &density, named, &a->names, r, err))
 		return -1;
@@ -271,6 +272,8 @@ void mp_report_free(struct mp_report *r)
 	mp_vertices_free(r->vertices);
 	free(r->tri);
 	mp_topology_free(&r->topology);
+	mp_crossings_free(&r->overlaps);
+	mp_crossings_free(&r->self);
 	free(r->body);
 	free(r->names);
 	memset(r, 0, sizeof *r);

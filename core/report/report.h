@@ -8,6 +8,7 @@
 #include "core/affine/affine.h"
 #include "core/bodies/nesting.h"
 #include "core/decoder.h"
+#include "core/intersect/intersect.h"
 #include "core/moments/facet.h"
 #include "core/moments/principal.h"
 #include "core/moments/uncertainty.h"
@@ -54,6 +55,10 @@ enum mp_warning {
 	MP_WARN_NON_ORIENTABLE,      /* some bodies have one side only */
 	MP_WARN_WELD_UNDECIDED,      /* some vertices nearer than weld may be apart still */
 	MP_WARN_INTERNAL_WALLS,      /* walls of no thickness, double or single */
+	MP_WARN_OVERLAPPING,         /* bodies overlap: their common space counts twice */
+	MP_WARN_OVERLAP_UNDECIDED,   /* it is not known whether others do */
+	MP_WARN_SELF_INTERSECTING,   /* triangles intersect */
+	MP_WARN_SELF_UNDECIDED,      /* it is not known how many do */
 	MP_WARN_NOT_CLOSED,          /* checks=closed: volume undefined, the place is not known */
 	MP_WARNINGS
 };
@@ -150,7 +155,9 @@ struct mp_report {
 
 	enum mp_orientation orientation;
 	enum mp_truth solid;
-	enum mp_truth overlapping; /* MP_NO: none overlap; MP_UNDECIDED */
+	enum mp_truth overlapping;    /* MP_YES: some bodies do, maybe more than overlaps has */
+	struct mp_crossings overlaps; /* pairs of bodies, located by two triangles of theirs */
+	struct mp_crossings self;     /* pairs of triangles; where the request asks */
 	struct mp_capped capped;
 	double closure_defect[3]; /* the mesh's vector area, sum of n/2 [L^2]; 0 if closed */
 

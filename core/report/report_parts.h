@@ -48,6 +48,14 @@ void mp_report_warn_file(struct mp_report *report);
 int mp_report_streamed(const struct mp_analysis *a, const struct mp_request *request,
 		       struct mp_report *report, struct mp_error *err);
 
+/*
+ * report->overlaps, overlapping and, where the request asks for it, self, with their warnings;
+ * before solid is judged, once the winding of the bodies is settled.  ${key}: secret.
+ */
+int mp_report_crossings(const struct mp_request *request, const struct mp_mesh *mesh,
+			const struct mp_bodies *bodies, const uint8_t key[16],
+			struct mp_report *report, struct mp_error *err);
+
 /* Exact numbers beside the certified ones; all 0 is ready. */
 struct mp_report_exact {
 	bool wanted;

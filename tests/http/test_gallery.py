@@ -326,6 +326,85 @@ def warning_internal_walls(d):
           "duplicates_opposite": 1}, volume=48000)
 
 
+def warning_overlapping_bodies(d):
+    found = show("two boxes of which one reaches into the other",
+                 post(d, BOX + box((30, 20, 10), SIZE)), {"overlapping_bodies"},
+                 {"overlapping_bodies": 1, "solid": False}, volume=48000)
+    place, = found["overlapping_bodies"]
+    check("where", place["triangles"][0] < 12 <= place["triangles"][1] < 24
+          and len(place["vertices"]) == 2 and found["self_intersections"] == []
+          and all(30 <= x <= 40 and 20 <= y <= 30 and 10 <= z <= 20
+                  for x, y, z in place["vertices"]), place)
+    show("the same mapped", post(d, BOX + box((30, 20, 10), SIZE),
+                                 "unit=mm&transform=0,-2,0,5,2,0,0,0,0,0,2,0"),
+         {"overlapping_bodies"}, {"overlapping_bodies": 1, "solid": False}, volume=8 * 48000)
+    for name, low, size in (("a face", (40, 5, 5), (10, 10, 10)), ("an edge", (40, 30, 5), (9, 9, 9)),
+                            ("nothing", (41, 0, 0), SIZE)):
+        show(f"two boxes that have {name} in common", post(d, BOX + box(low, size)), set(),
+             {"overlapping_bodies": 0}, volume=24000 + size[0] * size[1] * size[2])
+    show("a cavity", post(d, BOX + inside_out(box((5, 5, 5), (5, 5, 5)))), set(),
+         {"overlapping_bodies": 0}, volume=24000 - 125)
+    show("a box round which an L of two lies", post(d, l_shape() + box((12, 12, 2), (4, 4, 4))), set(),
+         {"overlapping_bodies": 0}, volume=3000 + 64)
+
+
+def inside_out(mesh):
+    return [(a, c, b) for a, b, c in mesh]
+
+
+def l_shape():
+    """A prism 10 high: 20 x 20 without the quarter in which x and y are above 10."""
+    p = [(0, 0), (20, 0), (20, 10), (10, 10), (10, 20), (0, 20)]
+    mesh = []
+    for i in range(6):
+        (x, y), (u, v) = p[i], p[(i + 1) % 6]
+        mesh += [((x, y, 0), (u, v, 0), (u, v, 10)), ((x, y, 0), (u, v, 10), (x, y, 10))]
+    for a, b, c in ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)):
+        mesh += [tuple((*p[i], 10) for i in (a, b, c)), tuple((*p[i], 0) for i in (a, c, b))]
+    return mesh
+
+
+def warning_overlap_undecided(d):
+    a = post(d, NO_LID + box((30, 20, 10), SIZE))
+    codes = {w["code"] for w in a.json["warnings"]}
+    check("a box without its lid and another one across its rim", codes == {
+        "open_mesh", "overlap_undecided"} and a.json["checks"]["overlapping_bodies"] is None, a)
+
+
+def warning_self_intersecting(d):
+    query = "unit=mm&include=self_intersections"
+    a = post(d, BOX + box((30, 20, 10), SIZE), query)
+    n = a.json["checks"]["self_intersections"]
+    found = show("two boxes of which one reaches into the other", a,
+                 {"overlapping_bodies", "self_intersecting"},
+                 {"overlapping_bodies": 1, "solid": False, "self_intersections": n}, volume=48000)
+    pairs = [p["triangles"] for p in found["self_intersections"]]
+    check("where", 6 <= n == len(pairs) and pairs == sorted(pairs), found)
+    a = post(d, BOX + box((5, 5, 20), (10, 10, 10)), query)
+    n = a.json["checks"]["self_intersections"]  # the floor of one and its rim on the lid of the other
+    show("a box on a box", a, {"self_intersecting"},
+         {"overlapping_bodies": 0, "self_intersections": n}, volume=25000)
+    check("some meet", n >= 2, a)
+    show("a box", post(d, BOX, query), set(), {"self_intersections": 0}, volume=24000)
+    a = post(d, BOX + box((30, 20, 10), SIZE), query + "&defects=1")
+    check("only so many are listed", a.json["defects"]["truncated"]
+          and len(a.json["defects"]["self_intersections"]) == 1
+          and "defects_truncated" in {w["code"] for w in a.json["warnings"]}, a)
+
+
+def warning_self_intersections_undecided(d):
+    mesh = []
+    for i in range(10000):
+        s, w = i / 10000, 1e-4
+        mesh += [((-1, s, -s), (1, -s, s), (1, w - s, s + w)),
+                 ((s, -1, s), (-s, 1, -s), (w - s, 1, w - s))]
+    a = post(d, mesh, "unit=mm&defects=5&include=self_intersections")
+    codes = {w["code"] for w in a.json["warnings"]} if a.status == 200 else {}
+    check("20,000 needles that all cross", "self_intersections_undecided" in codes
+          and "self_intersecting" in codes and a.json["checks"]["self_intersections"] is None
+          and len(a.json["defects"]["self_intersections"]) == 5, a)
+
+
 def warning_not_closed(d):
     a = post(d, NO_LID, "unit=mm&checks=closed")
     check("a box without its lid, looked at without a table", a.status == 200

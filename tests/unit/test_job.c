@@ -51,7 +51,7 @@ static const char garbage[] =
     "\"because\": \"a binary STL has a header of 80 bytes and a count in front of its facets\"}";
 
 struct file {
-	uint8_t bytes[84 + 50 * 24];
+	uint8_t bytes[84 + 50 * 36];
 	size_t len;
 };
 
@@ -349,15 +349,35 @@ static void strict_refuses_what_is_no_solid(void **state)
 	cJSON_Delete(report(&inside_out, "strict=true&flip=true"));
 }
 
+static void strict_refuses_bodies_that_overlap(void **state)
+{
+	struct file f = {.len = 0};
+	struct api_job_head head = head_of("strict=true");
+	cJSON *json;
+
+	(void)state;
+	add_box(&f, (const float[]){0, 0, 0}, (const float[]){2, 2, 2}, false);
+	add_box(&f, (const float[]){1, 1, 1}, (const float[]){3, 3, 3}, false);
+	json = problem(&head, f.bytes, f.len, API_NOT_A_SOLID);
+	assert_non_null(
+	    strstr(cJSON_GetStringValue(cJSON_GetObjectItem(json, "detail")), "bodies overlap"));
+	cJSON_Delete(json);
+	json = report(&f, "");
+	prints(json, "checks.solid", "false");
+	prints(json, "checks.overlapping_bodies", "1");
+	cJSON_Delete(json);
+}
+
 static void strict_lets_pass_what_was_not_decided(void **state)
 {
 	struct file f = {.len = 0};
 	cJSON *json;
 
 	(void)state;
-	add_box(&f, (const float[]){0, 0, 0}, (const float[]){2, 2, 2}, false);
-	add_box(&f, (const float[]){1, 1, 1}, (const float[]){3, 3, 3}, false); /* overlaps */
-	json = report(&f, "strict=true");
+	add_box(&f, (const float[]){0, 0, 0}, (const float[]){1, 1, 1}, false);
+	add_box(&f, (const float[]){1, 1, 0}, (const float[]){2, 2, 1}, false); /* the same body */
+	add_box(&f, (const float[]){1, .25F, .25F}, (const float[]){1.5F, .75F, .75F}, false);
+	json = report(&f, "strict=true"); /* a face on one whose edges join four triangles */
 	prints(json, "checks.solid", "null");
 	prints(json, "checks.overlapping_bodies", "null");
 	prints(json, "mesh.bodies", "2");
@@ -759,6 +779,7 @@ int main(void)
 	    cmocka_unit_test(where_a_chunk_ends_never_shows),
 	    cmocka_unit_test(times_are_in_milliseconds),
 	    cmocka_unit_test(strict_refuses_what_is_no_solid),
+	    cmocka_unit_test(strict_refuses_bodies_that_overlap),
 	    cmocka_unit_test(strict_lets_pass_what_was_not_decided),
 	    cmocka_unit_test(a_cavity_is_one),
 	    cmocka_unit_test(an_open_mesh_says_where),

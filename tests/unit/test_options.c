@@ -280,6 +280,8 @@ static void extras_are_a_list(void **state)
 	assert_int_equal(o.include, API_INCLUDE_FACETS | API_INCLUDE_DIGEST);
 	o = accepts("include=digest,digest");
 	assert_int_equal(o.include, API_INCLUDE_DIGEST);
+	o = accepts("include=self_intersections,facets");
+	assert_int_equal(o.include, API_INCLUDE_FACETS | API_INCLUDE_SELF_INTERSECTIONS);
 	o = accepts("unit=mm");
 	assert_int_equal(o.include, 0);
 }
@@ -289,8 +291,6 @@ static void options_of_a_later_stage_take_their_default_alone(void **state)
 	(void)state;
 	(void)accepts("precision=auto&resolution=1e-9");
 	later("resolution=1e-6", "resolution");
-	later("include=self_intersections", "include");
-	later("include=digest,self_intersections", "include");
 }
 
 static void options_of_a_later_stage_are_checked_all_the_same(void **state)
@@ -305,6 +305,7 @@ static void options_of_a_later_stage_are_checked_all_the_same(void **state)
 	bad("include=Facets", "include");
 	bad("include=facets digest", "include");
 	bad("include=facets,,digest", "include");
+	bad("checks=closed&include=self_intersections", "include");
 	bad("resolution=0", "resolution");
 	bad("density[a]=heavy", "density[a]");
 }

@@ -45,8 +45,8 @@ static void test_hollow_cube(void **state)
 	assert_true(r.total.volume == 64 - 8 && r.total.area == 96 + 24);
 	assert_true(r.total.inertia[0][0] == (64 * 32 - 8 * 8) / 12.0);
 	assert_int_equal(r.orientation, MP_ORIENTATION_OUTWARD);
-	assert_int_equal(r.solid, MP_UNDECIDED); /* boxes meet: overlap is not decided yet */
-	assert_int_equal(r.overlapping, MP_UNDECIDED);
+	assert_int_equal(r.solid, MP_YES);
+	assert_int_equal(r.overlapping, MP_NO);
 	assert_warnings(&r, 0);
 	assert_int_equal(r.bodies_listed, 2);
 	assert_true(r.body[0].mass.volume == 64 && r.body[1].mass.volume == -8);
@@ -232,17 +232,29 @@ static void test_sliver_has_an_area(void **state)
 	mesh_free(&m);
 }
 
-static void test_overlapping_boxes_are_not_decided(void **state)
+static void test_overlapping_boxes_are_no_solid(void **state)
 {
 	struct mesh m = {0};
+	struct mp_request request = request_plain();
 	struct mp_report r;
 
 	(void)state;
 	cube(&m, 0, 2, false);
 	cube(&m, 1, 2, false);
 	report_of_binary(&m, NULL, &r);
-	assert_int_equal(r.overlapping, MP_UNDECIDED);
-	assert_int_equal(r.solid, MP_UNDECIDED);
+	assert_int_equal(r.overlapping, MP_YES);
+	assert_true(r.overlaps.decided && r.overlaps.count == 1 && r.overlaps.listed == 1);
+	assert_int_equal(r.solid, MP_NO);
+	assert_warnings(&r, BIT(MP_WARN_OVERLAPPING));
+	assert_false(r.self.asked);
+	mp_report_free(&r);
+	request.self_intersections = true;
+	request.defects = 3;
+	report_of_binary(&m, &request, &r);
+	assert_true(r.self.decided && r.self.count > 3 && r.self.listed == 3);
+	assert_true(r.topology.truncated);
+	assert_warnings(&r, BIT(MP_WARN_OVERLAPPING) | BIT(MP_WARN_SELF_INTERSECTING) |
+				BIT(MP_WARN_DEFECTS_TRUNCATED));
 	mp_report_free(&r);
 	mesh_free(&m);
 }
@@ -359,7 +371,7 @@ int main(void)
 	    cmocka_unit_test(test_body_without_volume_has_moments),
 	    cmocka_unit_test(test_collinear_body_is_not_out_of_range),
 	    cmocka_unit_test(test_sliver_has_an_area),
-	    cmocka_unit_test(test_overlapping_boxes_are_not_decided),
+	    cmocka_unit_test(test_overlapping_boxes_are_no_solid),
 	    cmocka_unit_test(test_small_bodies_far_apart),
 	    cmocka_unit_test(test_open_box_has_an_area_and_no_volume),
 	    cmocka_unit_test(test_flipped_facet_is_a_matter_of_winding),

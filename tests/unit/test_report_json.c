@@ -74,6 +74,7 @@ static struct mp_report box(void)
 	    .orientation = MP_ORIENTATION_OUTWARD,
 	    .solid = MP_YES,
 	    .overlapping = MP_NO,
+	    .overlaps = {.asked = true, .decided = true},
 	    .total = box_mass,
 	    .surface_centroid = {20, 15, 10},
 	    .surface_centroid_defined = true,
@@ -228,7 +229,8 @@ static const char contract_box[] =
     "\"orientation\":\"outward\",\"depth\":0,\"parent\":null,\"cavity\":false,\"name\":null}],"
     "\"defects\":{\"boundary_edges\":[],\"boundary_loops\":[],\"non_manifold_edges\":[],"
     "\"non_manifold_vertices\":[],\"misoriented_edges\":[],\"degenerate_triangles\":[],"
-    "\"duplicate_triangles\":[],\"truncated\":false},\"facets\":null,"
+    "\"duplicate_triangles\":[],\"overlapping_bodies\":[],\"self_intersections\":[],"
+    "\"truncated\":false},\"facets\":null,"
     "\"repairs\":{\"flipped_triangles\":0,\"welded_vertices\":0},\"warnings\":[],"
     "\"timing_ms\":{\"receive\":0.1,\"queue\":0,\"decode\":0.123,\"analyse\":0}}";
 
@@ -364,6 +366,7 @@ static void what_is_not_decided_is_null(void **state)
 
 	(void)state;
 	r.solid = r.overlapping = MP_UNDECIDED;
+	r.overlaps.decided = false;
 	box_body.nest.decided = false;
 	json = parse(&r, "", NULL);
 	is_null(json, "checks.solid");
