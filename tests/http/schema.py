@@ -55,7 +55,7 @@ def faults(path, answer):
     if Draft202012Validator is None or answer.json is None or len(answer.body) > LARGEST:
         return []
     if answer.status == 404:
-        responses = [DOCUMENT["paths"]["/v1/mass-properties"]["post"]["responses"]["400"]]
+        responses = [DOCUMENT["components"]["responses"]["BadRequest"]]
     else:
         responses = _declared(path, answer.status)
     if responses is None:

@@ -45,14 +45,18 @@ def check_true_of(d):
         for method in item:
             a = d.curl(path, "-X", method.upper(), "-H", "Content-Type:")
             check(f"{method.upper()} {path} exists", a.status not in (0, 404, 405), a)
-    post = schema.DOCUMENT["paths"]["/v1/mass-properties"]["post"]
-    options = {p["name"] for p in post["parameters"]}
+    parameters = schema.DOCUMENT["components"]["parameters"]
+    options = {p["name"] for p in parameters.values()}
     capable = d.get("/v1/capabilities").json
     check("its parameters are the options", options == set(capable["options"]),
           options ^ set(capable["options"]))
-    check("its media types are those taken",
-          set(post["requestBody"]["content"]) == set(capable["media_types"]),
-          set(post["requestBody"]["content"]) ^ set(capable["media_types"]))
+    for path in ("/v1/mass-properties", "/v1/mesh"):
+        named = {p["$ref"].rpartition("/")[2] for p in
+                 schema.DOCUMENT["paths"][path]["post"]["parameters"]}
+        check(f"all of them are {path}'s", named == set(parameters), named ^ set(parameters))
+    taken = set(schema.DOCUMENT["components"]["requestBodies"]["Mesh"]["content"])
+    check("its media types are those taken", taken == set(capable["media_types"]),
+          taken ^ set(capable["media_types"]))
     formats = schema.DOCUMENT["components"]["schemas"]["Input"]["properties"]["format"]["enum"]
     check("its formats are those read", set(capable["formats"]) <= set(formats), formats)
 
