@@ -187,8 +187,18 @@ static void put_defects(struct table *t)
 			row(t, names[i][0], names[i][1], "", "");
 }
 
+static void put_axis(struct table *t)
+{
+	row(t, "axis along", "properties.inertia.about_axis.direction", ", ", "");
+	row(t, "axis through", "properties.inertia.about_axis.origin", ", ", "units.length");
+	row(t, "moment about axis", "properties.inertia.about_axis.moment", "", "units.inertia");
+	row(t, "radius of gyration", "properties.inertia.about_axis.radius_of_gyration", "",
+	    "units.length");
+}
+
 static void put_properties(struct table *t)
 {
+	matrix(t, "transform", "input.transform", "");
 	row(t, "size", "mesh.bounding_box.size", " x ", "units.length");
 	row(t, "volume", "properties.volume", "", "units.volume");
 	row(t, "surface area", "properties.surface_area", "", "units.area");
@@ -199,10 +209,12 @@ static void put_properties(struct table *t)
 	row(t, "centroid", "properties.centroid", ", ", "units.length");
 	matrix(t, "inertia at centroid", "properties.inertia.about_centroid", "units.inertia");
 	matrix(t, "inertia at origin", "properties.inertia.about_origin", "units.inertia");
-	matrix(t, "inertia at point", "properties.inertia.about_point", "units.inertia");
+	if (at(t->root, "properties.inertia.about_point") != NULL) {
+		row(t, "point", "properties.inertia.point", ", ", "units.length");
+		matrix(t, "inertia at point", "properties.inertia.about_point", "units.inertia");
+	}
 	if (at(t->root, "properties.inertia.about_axis") != NULL)
-		row(t, "moment about axis", "properties.inertia.about_axis.moment", "",
-		    "units.inertia");
+		put_axis(t);
 	if (at(t->root, "properties.principal") != NULL) {
 		row(t, "principal moments", "properties.principal.moments", ", ", "units.inertia");
 		matrix(t, "principal axes", "properties.principal.axes", "");
