@@ -43,6 +43,78 @@ def test_table(files):
           and not any(c < 32 and c != 10 for c in p.stdout) and b"\x7f" not in p.stdout, said(p))
 
 
+def rows_of(p):
+    """Label: text, of a table; what a row goes on with is one text with it."""
+    rows, last = {}, None
+    for line in p.stdout.decode().splitlines()[1:]:
+        label, text = line[2:22].strip(), " ".join(line[22:].split())
+        last = label or last
+        rows[last] = f"{rows[last]} | {text}" if last in rows else text
+    return rows
+
+
+def test_rows(folder, files):
+    """What Alpha_1's calc did, row by row."""
+    def said_rows(name, args, **want):
+        p = run("calc", "--unit=mm", *args)
+        rows = rows_of(p)
+        wrong = {k: rows.get(k.replace("_", " ")) for k, v in want.items()
+                 if rows.get(k.replace("_", " ")) != v}
+        check(f"calc: {name}", p.returncode == 0 and not wrong, f"{wrong}\n{said(p)}")
+        return rows
+
+    box_file = files["box"]
+    said_rows("density in the file's units", ["--density=2", "--density_unit=file", box_file],
+              mass="48000 file", density="2 file",
+              inertia_at_centroid="5200000 0 0 file.mm2 | 0 8000000 0 | 0 0 10000000")
+    said_rows("flip", ["--flip", box_file], volume="24000 mm3",
+              solid="NO: closed, watertight, orientation inward")
+    rows = said_rows("an axis through the origin", ["--density=2700", "--axis=0,0,2", box_file],
+                     axis_along="0, 0, 1", axis_through="0, 0, 0 mm",
+                     moment_about_axis="54 kg.mm2")
+    check("calc: nothing about a point that nobody asked for", "point" not in rows, rows)
+    said_rows("an axis elsewhere",
+              ["--density=2700", "--axis", "1,0,0", "--axis_origin", "7,15,10", box_file],
+              axis_along="1, 0, 0", axis_through="7, 15, 10 mm", moment_about_axis="7.02 kg.mm2",
+              radius_of_gyration="10.40833 mm")
+    said_rows("a point", ["--density=2700", "--about=20,15,11", box_file], point="20, 15, 11 mm",
+              inertia_at_point="7.0848 0 0 kg.mm2 | 0 10.8648 0 | 0 0 13.5")
+    said_rows("a transformation", ["--transform", "-1,0,0,5,0,2,0,0,0,0,1,0", box_file],
+              transform="-1 0 0 5 | 0 2 0 0 | 0 0 1 0", size="40 x 60 x 20 mm",
+              volume="48000 mm3", centroid="-15, 30, 10 mm",
+              solid="yes: closed, watertight, orientation outward")
+
+    halves = [write(folder, "lower.stl", stl(BOX[:7])), write(folder, "upper.stl", stl(BOX[7:]))]
+    said_rows("files that are one solid together", ["--together", *halves], volume="24000 mm3",
+              centroid="20, 15, 10 mm", solid="yes: closed, watertight, orientation outward")
+    p = run("calc", "--unit=mm", "--together", "--transform=2,0,0,0,0,1,0,0,0,0,1,0", *halves)
+    check("calc: mapped together", rows_of(p).get("volume") == "48000 mm3", said(p))
+
+    point, line = ((1, 1, 1),) * 3, ((0, 0, 0), (2, 0, 0), (1, 0, 0))
+    flat = write(folder, "flat.stl", stl([*BOX, point, line, ((0, 0, 0), (1, 0, 0), (2, 0, 0))]))
+    rows = said_rows("degenerate faces are counted, and add nothing", [flat], volume="24000 mm3",
+                     surface_area="5200 mm2", degenerate="3")
+    check("calc: and a warning says so", "warning" in rows, rows)
+    sheet = write(folder, "sheet.stl", stl([*BOX[:2], *flip(BOX[:2])]))
+    rows = said_rows("an object of volume 0 is reported", ["--density=2700", sheet],
+                     volume="0 mm3", mass="0 kg", centroid="-")
+    check("calc: and a warning says so, but it is no failure", "volume" in rows.get("warning", ""),
+          rows)
+    p = run("calc", "--strict", sheet)
+    check("calc: under --strict it is one", p.returncode == 1 and b"volume" in p.stderr, said(p))
+    point_file = write(folder, "point.stl", stl([point] * 4))
+    p = run("calc", "--unit=mm", point_file)
+    check("calc: nothing but degenerate faces", p.returncode == 0
+          and rows_of(p).get("degenerate") == "4" and rows_of(p).get("surface area") == "0 mm2",
+          said(p))
+    p = run("calc", "--transform=1,2,3,0,2,4,6,0,0,0,1,0", box_file)
+    check("calc: a singular transformation", p.returncode == 2 and b"--transform" in p.stderr,
+          said(p))
+    p = run("calc", "--transform=1e307,0,0,0,0,1,0,0,0,0,1,0", box_file)
+    check("calc: one beyond the range", p.returncode == 2 and b"box.stl" in p.stderr
+          and b"range" in p.stderr, said(p))
+
+
 def test_json(d, files):
     query = "&".join(f"{k}={v}" for k, v in QUERY.items())
     flags = [f"--{k}={v}" for k, v in QUERY.items()]
@@ -169,6 +241,7 @@ with tempfile.TemporaryDirectory() as tmp, Daemon("--workers", "1") as daemon:
             "nasty": write(tmp, "nasty.stl", nasty),
             "odd name": write(tmp, "odd \u00e9 name.stl", stl(BOX))}
     test_table(made)
+    test_rows(tmp, made)
     test_json(daemon, made)
     test_exit(made, tmp)
     test_input(made)
