@@ -115,6 +115,24 @@ def test_rows(folder, files):
           and b"range" in p.stderr, said(p))
 
 
+def test_readme(folder):
+    """The commands of the README, and what it says that they print."""
+    with open("README.md", encoding="utf-8") as f:
+        shown = f.read().partition("### Calc, row by row")[2].split("```")[1].strip("\n") + "\n"
+    said_there = [c.partition("\n") for c in re.split(r"^\$ ", shown, flags=re.M)[1:]]
+    os.makedirs(os.path.join(folder, "build"), exist_ok=True)
+    os.symlink(os.path.abspath(PROGRAM), os.path.join(folder, "build", "masspropd"))
+
+    def cases():
+        for command, _, want in said_there:
+            p = subprocess.run(["bash", "-c", command], cwd=folder, capture_output=True, env=CLEAN,
+                               timeout=60)
+            yield command, p.stdout.decode() != want and said(p)
+
+    check("the README has commands to show", len(said_there) >= 8, said_there)
+    check_all("and they print what it says", cases())
+
+
 def test_json(d, files):
     query = "&".join(f"{k}={v}" for k, v in QUERY.items())
     flags = [f"--{k}={v}" for k, v in QUERY.items()]
@@ -242,6 +260,7 @@ with tempfile.TemporaryDirectory() as tmp, Daemon("--workers", "1") as daemon:
             "odd name": write(tmp, "odd \u00e9 name.stl", stl(BOX))}
     test_table(made)
     test_rows(tmp, made)
+    test_readme(tmp)
     test_json(daemon, made)
     test_exit(made, tmp)
     test_input(made)
