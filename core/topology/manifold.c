@@ -13,12 +13,19 @@
  * other's only neighbours, a ring of two links: where no ring is that short there are none.  And
  * triangles that share a vertex hang together through edges, so bodies are sets of vertices.
  */
+struct span {
+	uint32_t min, max; /* of vertex numbers */
+};
+
 struct ring {
 	const struct mp_mesh *mesh;
 	uint32_t vertices;
-	uint32_t *row;   /* vertex v has the links row[v] .. row[v + 1] */
-	uint64_t *link;  /* the vertex it leaves for << 32 | the one from which it comes back */
-	uint32_t *label; /* of a vertex: first its smallest neighbour or itself, then its set */
+	uint32_t *row;  /* vertex v has the links row[v] .. row[v + 1] */
+	uint64_t *link; /* the vertex it leaves for << 32 | the one from which it comes back */
+	size_t most;    /* links that are kept at a time: those of vertices low .. high - 1 */
+	uint32_t low, high;
+	struct span *span; /* of every BLOCK triangles */
+	uint32_t *label;   /* of a vertex: first its smallest neighbour or itself, then its set */
 	uint64_t *sorted;
 	size_t room;          /* of sorted */
 	uint64_t faces, used; /* triangles with edges, vertices that they use */
@@ -27,56 +34,117 @@ struct ring {
 enum {
 	FEW = 8, /* links that are compared each with each, side by side: nearly all vertices */
 	SOME = 2 * FEW,
-	AHEAD = 24 /* what to prefetch for: about the latency of memory */
+	AHEAD = 24, /* what to prefetch for: about the latency of memory */
+	BLOCK = 1024
 };
 
-static void prefetch_rows(const struct ring *r, uint32_t t)
+static uint32_t end_of_block(const struct ring *r, uint32_t t)
 {
-	if (t + AHEAD >= r->mesh->triangles)
-		return;
-	for (unsigned k = 0; k < 3; k++)
-		__builtin_prefetch(&r->row[r->mesh->tri[t + AHEAD][k] + 1], 1);
+	return r->mesh->triangles - t < BLOCK ? r->mesh->triangles : t + BLOCK;
 }
 
-/* row[v + 1] = where row v begins, so that scattering moves it to where row v + 1 begins. */
-static void count_links(struct ring *r)
+static void count_block(struct ring *r, uint32_t begin, uint32_t end)
 {
-	uint32_t sum = 0;
+	struct span s = {UINT32_MAX, 0};
 
-	for (uint32_t t = 0; t < r->mesh->triangles; t++) {
+	for (uint32_t t = begin; t < end; t++) {
 		const uint32_t *v = r->mesh->tri[t];
 
-		prefetch_rows(r, t);
+		for (unsigned k = 0; k < 3 && t + AHEAD < r->mesh->triangles; k++)
+			__builtin_prefetch(&r->row[r->mesh->tri[t + AHEAD][k] + 1], 1);
 		if (!mp_has_edges(v))
 			continue;
 		r->faces++;
-		for (unsigned k = 0; k < 3; k++)
+		for (unsigned k = 0; k < 3; k++) {
 			r->row[v[k] + 1]++;
+			s.min = v[k] < s.min ? v[k] : s.min;
+			s.max = v[k] > s.max ? v[k] : s.max;
+		}
 	}
+	r->span[begin / BLOCK] = s;
+}
+
+/*
+ * row[v + 1] = where row v begins, so that scattering moves it to where row v + 1 begins.  Returns
+ * the length of the longest row.
+ */
+static size_t count_links(struct ring *r)
+{
+	uint32_t sum = 0, longest = 0;
+
+	for (uint32_t t = 0; t < r->mesh->triangles; t = end_of_block(r, t))
+		count_block(r, t, end_of_block(r, t));
 	for (uint32_t v = 0; v < r->vertices; v++) {
 		uint32_t n = r->row[v + 1];
 
 		r->used += n > 0;
+		longest = n > longest ? n : longest;
 		r->row[v + 1] = sum;
 		sum += n;
+	}
+	return longest;
+}
+
+/* Where row v begins, of which nothing is scattered yet. */
+static size_t begin_of(const struct ring *r, uint32_t v)
+{
+	return v < r->vertices ? r->row[v + 1] : 3 * r->faces;
+}
+
+/* The next vertices whose links there is room for; false where all have had their turn. */
+static bool next_range(struct ring *r)
+{
+	r->low = r->high;
+	while (r->high < r->vertices && begin_of(r, r->high + 1) - r->row[r->low] <= r->most)
+		r->high++;
+	return r->low < r->high;
+}
+
+static uint64_t link_of(const uint32_t v[3], uint32_t k)
+{
+	return (uint64_t)v[k == 2 ? 0 : k + 1] << 32 | v[k == 0 ? 2 : k - 1];
+}
+
+/* Without a branch for each corner: which of them are in the range is anybody's guess. */
+static void scatter_block(struct ring *r, uint32_t begin, uint32_t end)
+{
+	uint32_t low = r->low, count = r->high - r->low, base = r->row[low];
+	const uint32_t(*tri)[3] = r->mesh->tri + begin;
+	uint16_t corner[3 * BLOCK + 1];
+	uint32_t n = 0;
+
+	for (uint32_t t = 0; t < end - begin; t++) {
+		bool used = mp_has_edges(tri[t]);
+
+		for (uint32_t k = 0; k < 3; k++) {
+			corner[n] = (uint16_t)(4 * t + k);
+			n += used & (tri[t][k] - low < count);
+		}
+	}
+	for (uint32_t i = 0; i < n; i++) {
+		const uint32_t *v = tri[corner[i] / 4];
+		uint32_t k = corner[i] % 4;
+
+		if (i + 2 * AHEAD < n)
+			__builtin_prefetch(
+			    &r->row[tri[corner[i + 2 * AHEAD] / 4][corner[i + 2 * AHEAD] % 4] + 1],
+			    1);
+		if (i + AHEAD < n) {
+			uint32_t next = tri[corner[i + AHEAD] / 4][corner[i + AHEAD] % 4];
+
+			__builtin_prefetch(&r->link[r->row[next + 1] - base], 1);
+		}
+		r->link[r->row[v[k] + 1]++ - base] = link_of(v, k);
 	}
 }
 
 static void scatter(struct ring *r)
 {
-	for (uint32_t t = 0; t < r->mesh->triangles; t++) {
-		const uint32_t *v = r->mesh->tri[t];
+	for (uint32_t t = 0; t < r->mesh->triangles; t = end_of_block(r, t)) {
+		const struct span *s = &r->span[t / BLOCK];
 
-		prefetch_rows(r, t);
-		if (t + AHEAD / 2 < r->mesh->triangles)
-			for (unsigned k = 0; k < 3; k++)
-				__builtin_prefetch(
-				    &r->link[r->row[r->mesh->tri[t + AHEAD / 2][k] + 1]], 1);
-		if (!mp_has_edges(v))
-			continue;
-		r->link[r->row[v[0] + 1]++] = (uint64_t)v[1] << 32 | v[2];
-		r->link[r->row[v[1] + 1]++] = (uint64_t)v[2] << 32 | v[0];
-		r->link[r->row[v[2] + 1]++] = (uint64_t)v[0] << 32 | v[1];
+		if (s->min < r->high && s->max >= r->low)
+			scatter_block(r, t, end_of_block(r, t));
 	}
 }
 
@@ -153,11 +221,13 @@ static uint32_t smallest_neighbour(const uint64_t *link, size_t n, uint32_t v)
 	return v;
 }
 
-/* Look at all vertices: 1 if every one has its ring, else 0, or -1 where memory is out. */
-static int look(struct ring *r)
+/* Look at the vertices whose links are there: 1 if every one has its ring, else 0 or -1. */
+static int look_at_range(struct ring *r)
 {
-	for (uint32_t v = 0; v < r->vertices; v++) {
-		const uint64_t *link = r->link + r->row[v];
+	size_t base = r->row[r->low];
+
+	for (uint32_t v = r->low; v < r->high; v++) {
+		const uint64_t *link = r->link + (r->row[v] - base);
 		size_t n = r->row[v + 1] - r->row[v];
 		int good = 1;
 
@@ -174,12 +244,25 @@ static int look(struct ring *r)
 	return 1;
 }
 
+/* Look at all vertices: 1 if every one has its ring, else 0, or -1 where memory is out. */
+static int look(struct ring *r)
+{
+	int good = 1;
+
+	while (good == 1 && next_range(r)) {
+		scatter(r);
+		good = look_at_range(r);
+	}
+	return good;
+}
+
 /*
  * Labels become roots.  The smallest neighbours alone leave few sets, in a mesh whose triangles
- * come side by side just one; the other links join these.  Returns how many bodies there are.
+ * come side by side just one; the triangles join these.  Returns how many bodies there are.
  */
 static uint32_t connect(struct ring *r)
 {
+	const struct mp_mesh *mesh = r->mesh;
 	uint32_t sets = 0;
 
 	for (uint32_t v = 0; v < r->vertices; v++) {
@@ -188,15 +271,17 @@ static uint32_t connect(struct ring *r)
 		sets += r->label[v] == v && r->row[v] != r->row[v + 1];
 		r->label[v] = r->label[r->label[v]]; /* smaller, so it is a root already */
 	}
-	for (uint32_t v = 0; v < r->vertices && sets > 1; v++) {
-		for (uint32_t i = r->row[v]; i < r->row[v + 1]; i++) {
-			uint32_t to = (uint32_t)(r->link[i] >> 32);
+	for (uint32_t t = 0; t < mesh->triangles && sets > 1; t++) {
+		const uint32_t *v = mesh->tri[t];
 
-			if (i + AHEAD < 3 * r->faces)
-				__builtin_prefetch(&r->label[r->link[i + AHEAD] >> 32]);
-			if (to > v && r->label[to] != r->label[v])
-				sets -= mp_set_unite(r->label, v, to);
-		}
+		for (unsigned k = 0; k < 3 && t + AHEAD < mesh->triangles; k++)
+			__builtin_prefetch(&r->label[mesh->tri[t + AHEAD][k]]);
+		if (!mp_has_edges(v))
+			continue;
+		if (r->label[v[0]] != r->label[v[1]])
+			sets -= mp_set_unite(r->label, v[0], v[1]);
+		if (r->label[v[1]] != r->label[v[2]])
+			sets -= mp_set_unite(r->label, v[1], v[2]);
 	}
 	return sets;
 }
@@ -268,29 +353,41 @@ static int fill(struct ring *r, struct mp_topology *out)
 	return number_bodies(r, out);
 }
 
-int mp_manifold_find(const struct mp_mesh *mesh, struct mp_topology *out, bool *good)
+/* 1 if the mesh is good, and then ${out} is filled, 0 if not, -1 where memory is out. */
+static int find(struct ring *r, struct mp_topology *out)
 {
-	struct ring r = {.mesh = mesh, .vertices = mp_vertices_count(mesh->vertices)};
-	int found = -1;
+	size_t longest;
+	int good;
 
-	*good = false;
-	r.row = calloc((size_t)r.vertices + 1, sizeof *r.row);
-	if (r.row == NULL)
+	r->row = calloc((size_t)r->vertices + 1, sizeof *r->row);
+	r->span = malloc(((size_t)r->mesh->triangles / BLOCK + 1) * sizeof *r->span);
+	if (r->row == NULL || r->span == NULL)
 		return -1;
-	count_links(&r);
-	if (r.faces == 0 || r.faces % 2 != 0) {
-		free(r.row);
+	longest = count_links(r);
+	if (r->faces == 0 || r->faces % 2 != 0)
 		return 0;
-	}
-	r.link = malloc(3 * r.faces * sizeof *r.link);
-	r.label = malloc(r.vertices * sizeof *r.label);
-	if (r.link != NULL && r.label != NULL) {
-		scatter(&r);
-		found = look(&r);
-	}
-	if (found == 1 && fill(&r, out))
-		found = -1;
+	if (r->most < longest)
+		r->most = longest;
+	if (r->most > 3 * r->faces)
+		r->most = 3 * r->faces;
+	r->link = malloc(r->most * sizeof *r->link);
+	r->label = malloc(r->vertices * sizeof *r->label);
+	if (r->link == NULL || r->label == NULL)
+		return -1;
+	good = look(r);
+	if (good != 1)
+		return good;
+	return fill(r, out) ? -1 : 1;
+}
+
+int mp_manifold_find(const struct mp_mesh *mesh, size_t links, struct mp_topology *out, bool *good)
+{
+	struct ring r = {
+	    .mesh = mesh, .vertices = mp_vertices_count(mesh->vertices), .most = links};
+	int found = find(&r, out);
+
 	free(r.row);
+	free(r.span);
 	free(r.link);
 	free(r.label);
 	free(r.sorted);

@@ -75,7 +75,7 @@ static int find(const struct mp_mesh *mesh, uint32_t most, struct mp_topology *o
 {
 	bool good;
 
-	if (mp_degenerate_find(mesh, most, out) || mp_manifold_find(mesh, out, &good) ||
+	if (mp_degenerate_find(mesh, most, out) || mp_manifold_find(mesh, MP_LINKS, out, &good) ||
 	    (!good && find_all(mesh, most, out)))
 		return -1;
 	out->euler = (int64_t)(out->vertices + out->faces) - (int64_t)out->edges;

@@ -16,9 +16,11 @@ int mp_degenerate_find(const struct mp_mesh *, uint32_t most, struct mp_topology
 /*
  * manifold.c: the short way.  Where every edge is used once in each direction, every vertex has one
  * fan and no triangle repeats another, this fills everything below but euler; else ${*good} is
- * false and nothing is filled.  28 bytes a triangle for a moment.
+ * false and nothing is filled.  8 bytes for each of ${links} corners at a time, at most 24 a
+ * triangle, and 4 a triangle besides.
  */
-int mp_manifold_find(const struct mp_mesh *, struct mp_topology *out, bool *good);
+enum { MP_LINKS = 1 << 22 }; /* 32 MB: what is written in no order should have place in a cache */
+int mp_manifold_find(const struct mp_mesh *, size_t links, struct mp_topology *out, bool *good);
 
 /* components.c: body_of, bodies and what each body's edges are; also the counts of all edges. */
 int mp_bodies_find(const struct mp_mesh *, const struct mp_edges *, struct mp_topology *out);

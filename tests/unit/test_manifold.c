@@ -13,15 +13,15 @@
 #include "soup.h"
 #include "topology_reference.h"
 
-/* What the short way says of ${soup}; what it fills is the same as by definition. */
-static bool is_good(const struct soup *soup)
+/* The same with ${links} links at a time; what it fills is the same as by definition. */
+static bool is_good_by(const struct soup *soup, size_t links)
 {
 	struct mp_topology t = {0}, want;
 	struct built b;
 	bool good = false;
 
 	assert_int_equal(soup_build(soup, 3, &b, NULL), 0);
-	assert_int_equal(mp_manifold_find(&b.mesh, &t, &good), 0);
+	assert_int_equal(mp_manifold_find(&b.mesh, links, &t, &good), 0);
 	if (good) {
 		reference_topology(&b.mesh, &want);
 		assert_true(want.closed && want.watertight && want.winding_consistent);
@@ -43,6 +43,53 @@ static bool is_good(const struct soup *soup)
 	mp_topology_free(&t);
 	built_free(&b);
 	return good;
+}
+
+/* What the short way says of ${soup}, whatever it keeps at a time. */
+static bool is_good(const struct soup *soup)
+{
+	bool good = is_good_by(soup, MP_LINKS);
+
+	for (size_t links = 1; links < 200; links = 3 * links + 1)
+		assert_int_equal(is_good_by(soup, links), good);
+	return good;
+}
+
+/*
+ * A torus of several blocks of triangles, in rows and shuffled: in rows most blocks lie outside the
+ * range of vertices that is looked at.
+ */
+static void large_meshes_are_looked_at_by_parts(void **unused)
+{
+	uint64_t state = 5;
+
+	(void)unused;
+	for (int round = 0; round < 4; round++) {
+		struct mp_topology t = {0};
+		struct soup s = {0};
+		struct built b;
+		bool good;
+
+		soup_torus(&s, 60, 50, 5, 1);
+		soup_cube(&s, 20, 0, 0, 1);
+		if (round % 2)
+			soup_shuffle(&s, &state);
+		if (round / 2)
+			soup_flip(&s, s.count - 1);
+		assert_int_equal(soup_build(&s, 3, &b, NULL), 0);
+		for (size_t links = 5; links < 30000; links *= 4) {
+			assert_int_equal(mp_manifold_find(&b.mesh, links, &t, &good), 0);
+			assert_int_equal(good, round / 2 == 0);
+			if (good) {
+				assert_int_equal(t.bodies, 2);
+				assert_int_equal(t.vertices, 3008);
+				assert_int_equal(t.body[0].triangles + t.body[1].triangles, 6012);
+			}
+			mp_topology_free(&t);
+		}
+		built_free(&b);
+		soup_free(&s);
+	}
 }
 
 /* Two pyramids over the polygon of ${n} corners: two vertices of ${n} triangles. */
@@ -268,6 +315,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(good_meshes_take_the_short_way),
+	    cmocka_unit_test(large_meshes_are_looked_at_by_parts),
 	    cmocka_unit_test(vertices_of_many_triangles_are_rings),
 	    cmocka_unit_test(two_rings_at_a_vertex_are_not_one),
 	    cmocka_unit_test(an_edge_of_two_bodies_is_no_good),
