@@ -59,6 +59,7 @@ opt_core/moments/moments_kernel.c := -O3
 opt_core/exact/exact_digits.c := -O3
 opt_core/topology/manifold.c := -O3
 opt_core/moments/uncertainty.c := -O3
+opt_core/stl/stl_binary.c := -O3
 opt_core/fingerprint/aes.c := -O3
 opt_core/fingerprint/fingerprint_kernel.c := -O3
 opt_core/topology/vertices.c := -O3

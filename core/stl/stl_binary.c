@@ -46,21 +46,41 @@ static int fail_not_finite(const struct stl *s, const uint8_t *facet, struct mp_
 		       (unsigned long long)s->binary.done, "xyz"[i % 3], i / 3);
 }
 
-/* Bit 31 of the result is set if the little-endian float at ${p} is NaN or infinite. */
-static inline uint32_t load(const uint8_t *p, double *out)
+/*
+ * The facet of 12 floats at ${p}, normal first.  Sets bit 31 of bad[k] where float k is NaN or
+ * infinite.  Loops, so that they become vectors.
+ */
+static inline void convert(const uint8_t *p, double tri[9], double normal[3], uint32_t bad[12])
 {
-	uint32_t bits = le32(p);
-	float f;
+	uint32_t bits[12];
+	float f[12];
 
-	memcpy(&f, &bits, sizeof f);
-	*out = (double)f;
-	return (bits & 0x7f800000) + 0x00800000;
+	for (size_t k = 0; k < 12; k++)
+		bits[k] = le32(p + 4 * k);
+	for (size_t k = 0; k < 12; k++)
+		bad[k] |= (bits[k] & 0x7f800000) + 0x00800000;
+	memcpy(f, bits, sizeof f);
+	for (size_t k = 0; k < 9; k++)
+		tri[k] = (double)f[3 + k];
+	for (size_t k = 0; k < 3; k++)
+		normal[k] = (double)f[k];
+}
+
+static bool is_finite(const uint8_t *facet)
+{
+	uint32_t bad = 0;
+
+	for (size_t k = 3; k < 12; k++)
+		bad |= (le32(facet + 4 * k) & 0x7f800000) + 0x00800000;
+	return bad >> 31 == 0;
 }
 
 /* Up to ${count} facets, as many as the block has room for; the number read, < 0 on failure. */
 static int64_t take(struct stl *s, const uint8_t *p, uint64_t count, struct mp_error *err)
 {
-	uint64_t room = s->limits->max_triangles - s->notes->triangles, i;
+	uint64_t room = s->limits->max_triangles - s->notes->triangles;
+	struct mp_notes seen = {.triangles = 0}; /* in registers */
+	uint32_t bad[12] = {0}, any = 0;
 
 	if (room == 0)
 		return fail_limit(s, err);
@@ -68,21 +88,27 @@ static int64_t take(struct stl *s, const uint8_t *p, uint64_t count, struct mp_e
 		count = room;
 	if (count > MP_BLOCK - s->count)
 		count = MP_BLOCK - s->count;
-	for (i = 0; i < count; i++, p += STL_FACET) {
-		double *tri = s->block[s->count], normal[3];
-		uint32_t bad = 0;
+	for (uint64_t i = 0; i < count; i++) {
+		double *tri = s->block[s->count + i], normal[3];
 
-		for (size_t k = 0; k < 3; k++)
-			(void)load(p + 4 * k, &normal[k]);
-		for (size_t k = 0; k < 9; k++)
-			bad |= load(p + 12 + 4 * k, &tri[k]);
-		if (bad >> 31 != 0)
-			return fail_not_finite(s, p, err);
-		stl_check_normal(s->notes, tri, normal);
-		s->binary.done++;
-		if (stl_commit(s, err))
-			return -1;
+		convert(p + i * STL_FACET, tri, normal, bad);
+		stl_check_normal(&seen, tri, normal);
 	}
+	for (size_t k = 3; k < 12; k++)
+		any |= bad[k];
+	while (any >> 31 != 0) { /* one of them: which? */
+		if (!is_finite(p))
+			return fail_not_finite(s, p, err);
+		s->binary.done++;
+		p += STL_FACET;
+	}
+	s->binary.done += count;
+	s->count += count;
+	s->notes->triangles += count;
+	s->notes->normals_disagreeing += seen.normals_disagreeing;
+	s->notes->normals_not_finite += seen.normals_not_finite;
+	if (s->count == MP_BLOCK && stl_flush(s, err))
+		return -1;
 	return (int64_t)count;
 }
 

@@ -121,10 +121,10 @@ static inline void stl_check_normal(struct mp_notes *notes, const double t[9], c
 	double vx = t[6] - t[0], vy = t[7] - t[1], vz = t[8] - t[2];
 	double dot =
 	    n[0] * (uy * vz - uz * vy) + n[1] * (uz * vx - ux * vz) + n[2] * (ux * vy - uy * vx);
-	bool finite = isfinite(n[0]) && isfinite(n[1]) && isfinite(n[2]);
+	bool finite = (n[0] - n[0]) + (n[1] - n[1]) + (n[2] - n[2]) == 0; /* else NaN */
 
 	notes->normals_not_finite += !finite;
-	notes->normals_disagreeing += finite && dot < 0.0;
+	notes->normals_disagreeing += finite & (dot < 0.0);
 }
 
 void stl_binary_begin(struct stl *s, const uint8_t header[STL_HEADER], const char *hint);
