@@ -136,8 +136,10 @@ static int take_indices(void *self, const uint32_t (*tri)[3], size_t count, stru
 
 static int begin(struct mp_analysis *a, enum mp_format_wish format, struct mp_error *err)
 {
-	if (a->streamed && format != MP_WISH_STL)
-		return mp_report_no_stream(err);
+	if (a->streamed && format != MP_WISH_STL) {
+		(void)mp_report_no_stream(err);
+		return -1;
+	}
 	a->not_stl = a->not_stl || format != MP_WISH_STL;
 	a->decoder = mp_format_decoder(format);
 	return a->decoder->begin(&a->state, &a->sink, &a->request.limits, &a->notes, err);

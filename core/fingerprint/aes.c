@@ -1,7 +1,5 @@
 #include "core/fingerprint/aes.h"
 
-#include <string.h>
-
 /*
  * Every bit of the state is a plane of its own: bit b of plane[i][k] is bit k of byte i of block b.
  * ShiftRows is then a change of names and the S-box a circuit.  The lanes are always the inner
@@ -123,7 +121,9 @@ static void add_key(struct state *s, const uint64_t key[2])
 static void shift_rows(const struct state *from, struct state *to)
 {
 	for (size_t i = 0; i < 16; i++)
-		memcpy(to->plane[i], from->plane[(i + 4 * (i % 4)) % 16], sizeof to->plane[i]);
+		for (size_t k = 0; k < 8; k++)
+			for (size_t j = 0; j < LANES; j++)
+				to->plane[i][k][j] = from->plane[(i + 4 * (i % 4)) % 16][k][j];
 }
 
 /* out = a ^ all ^ 2*(a ^ b) in GF(2^8), all the sum of the column. */
