@@ -117,7 +117,8 @@ def test_refusals(d):
     check_problem("a forced one", d.post(OBJ, query=QUERY + "&format=obj"), 400, "bad_option",
                   option="checks")
     for query, option in (("precision=exact", "precision"), ("density[a]=1", "density[a]"),
-                          ("weld=0.1", "weld"), ("orient=fix", "orient"),
+                          ("weld=0.1", "weld"), ("include=digest,facets", "include"),
+                          ("include=self_intersections", "include"), ("orient=fix", "orient"),
                           ("transform=2,0,0,0,0,2,0,0,0,0,2,0", "transform")):
         check_problem(f"with {query}", d.post(stl(BOX), query="checks=closed&" + query), 400,
                       "bad_option", option=option)
