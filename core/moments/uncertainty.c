@@ -104,7 +104,7 @@ static inline void normal(double (*q)[ROWS], float n[3])
 /* The rows of the derivatives by n_k, for each corner. */
 static inline void find_rows(const struct frame *f, double (*q)[ROWS], rows out[3])
 {
-	rows s;
+	rows s = {0};
 
 	for (int r = 0; r < ROWS; r++)
 		s[r] = (float)(q[0][r] + q[1][r] + q[2][r] - f->shift[r]);

@@ -20,7 +20,7 @@
  * known to about 4 %.
  */
 #ifdef MP_SANITIZED
-enum { MESHES = 15, TRIES = 100 };
+enum { MESHES = 15, TRIES = 300 };
 #else
 enum { MESHES = 120, TRIES = 300 };
 #endif
