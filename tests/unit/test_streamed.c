@@ -99,7 +99,9 @@ static void reverse(double tri[9])
 static void damage(struct mesh *m, uint64_t *state)
 {
 	size_t i = random_bits(state) % m->count, j = random_bits(state) % m->count;
+	double t[9]; /* the list may move */
 
+	memcpy(t, m->tri[i], sizeof t);
 	switch (random_bits(state) % 8) {
 	case 0:
 		memmove(m->tri + i, m->tri + i + 1, (--m->count - i) * sizeof *m->tri);
@@ -108,17 +110,17 @@ static void damage(struct mesh *m, uint64_t *state)
 		reverse(m->tri[i]);
 		break;
 	case 2:
-		mesh_triangle(m, m->tri[i], m->tri[i] + 3, m->tri[i] + 6);
+		mesh_triangle(m, t, t + 3, t + 6);
 		break;
 	case 3: /* the same, and its other side */
-		mesh_triangle(m, m->tri[i], m->tri[i] + 6, m->tri[i] + 3);
-		mesh_triangle(m, m->tri[i], m->tri[i] + 3, m->tri[i] + 6);
+		mesh_triangle(m, t, t + 6, t + 3);
+		mesh_triangle(m, t, t + 3, t + 6);
 		break;
 	case 4: /* a corner moves to another place */
 		memcpy(m->tri[i] + 3, m->tri[j], 3 * sizeof(double));
 		break;
 	case 5: /* a corner twice, a needle along an edge */
-		mesh_triangle(m, m->tri[i], m->tri[i], m->tri[i] + 3);
+		mesh_triangle(m, t, t, t + 3);
 		break;
 	case 6: /* the last digit of a coordinate */
 		m->tri[i][4] = nextafter(m->tri[i][4], 0);
