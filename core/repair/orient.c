@@ -1,5 +1,6 @@
 #include "core/repair/orient.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -77,6 +78,7 @@ static int find_sides(struct orienter *o, struct mp_error *err)
 		return -1;
 	ret = mp_sides_find(&o->mesh, &edges, &o->sides, err);
 	mp_edges_free(&edges);
+	assert(ret != 0 || (o->sides.of != NULL && o->sides.flaw != NULL));
 	return ret;
 }
 
@@ -266,12 +268,11 @@ static int orient(struct orienter *o, struct mp_error *err)
 
 static int tell(const struct orienter *o, struct mp_oriented *out, struct mp_error *err)
 {
-	const size_t words = (size_t)o->mesh.triangles / 64 + 1;
 	struct mp_moments moments;
 	struct mp_solid whole;
 
-	for (size_t i = 0; i < words; i++)
-		out->turned += (unsigned)__builtin_popcountll(o->turned[i]);
+	for (uint32_t t = 0; t < o->mesh.triangles; t += 64)
+		out->turned += (unsigned)__builtin_popcountll(o->turned[t / 64]);
 	out->closed = o->sheets.closed && o->sides.count > 0;
 	if (out->closed) {
 		mp_moments_begin(&moments);
@@ -281,7 +282,7 @@ static int tell(const struct orienter *o, struct mp_oriented *out, struct mp_err
 	}
 	if (!any_flaw(&o->sides, MP_SIDE_ONE))
 		return 0;
-	out->one_sided = calloc(words, sizeof *out->one_sided);
+	out->one_sided = calloc((size_t)o->mesh.triangles / 64 + 1, sizeof *out->one_sided);
 	if (out->one_sided == NULL)
 		return mp_fail_nomem(err);
 	for (uint32_t t = 0; t < o->mesh.triangles; t++)
