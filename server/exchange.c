@@ -16,6 +16,7 @@ static const double fast_rate = 8e6;    /* bytes a second */
 static const double least_rate = 64e3;  /* bytes a second, over --body-timeout */
 static const double crowded_rate = 1e6; /* of one that holds a worker while others wait */
 static const double crowded_after_s = 5;
+static const double write_piece = 4e6; /* bytes of an answer that --write-timeout is for */
 static const uint64_t discard_bytes = 64
 				      << 20; /* behind a verdict, before the connection is closed */
 static const double discard_s = 10;
@@ -324,7 +325,8 @@ void srv_exchange_tick(struct srv_exchange *ex, double now)
 	if (ex->gone)
 		return;
 	if (ex->sent) {
-		if (now - ex->sent_at > config->write_timeout + (double)ex->reply.len / least_rate)
+		if (now - ex->sent_at >
+		    config->write_timeout * (1 + (double)ex->reply.len / write_piece))
 			srv_exchange_abort(ex);
 		return;
 	}

@@ -140,6 +140,13 @@ static bool sane(struct srv_result *r, int fd)
 }
 
 /*
+ * Answers that are no longer than this are on their way at once, and their number is that of the
+ * connections, which are counted: they need no room in the budget, so that a few large ones that
+ * nobody reads do not stop everybody else.
+ */
+enum { SMALL_ANSWER = 64 << 10 };
+
+/*
  * An answer takes memory until its client has read it, which may take its time: all of them have
  * half of the budget, so that uploads keep the rest.
  */
@@ -148,6 +155,8 @@ static bool afford(struct srv_exchange *ex, uint64_t bytes)
 	struct srv_budget *b = &ex->front->budget;
 	uint64_t left = b->answers < b->most / 2 ? b->most / 2 - b->answers : 0;
 
+	if (bytes <= SMALL_ANSWER)
+		return true;
 	if (left > srv_budget_left(b))
 		left = srv_budget_left(b);
 	if (bytes > left && b->answers > 0) /* the only one may be of any size */

@@ -189,18 +189,20 @@ def test_honest_retry_after():
 
 
 def test_unread_answers_end():
+    # some 4 MB: more than the two ends' socket buffers take while nobody reads
     soup = b"".join(struct.pack("<12fH", 0, 0, 0, i, 0, 0, i, 1, 0, i, 0, 1, 0) for i in range(9000))
     with Daemon("--workers", "1", "--write-timeout", "500ms") as d:
         s = socket.socket()
         s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         s.settimeout(20)
         s.connect(("127.0.0.1", d.port))
+        whole = len(d.post(FILE[:80] + struct.pack("<I", 9000) + soup, query="defects=100000").body)
         s.sendall(post(FILE[:80] + struct.pack("<I", 9000) + soup, "defects=100000"))
         check("a large answer begins", s.recv(12)[9:] == b"200")
         check("who does not take it within --write-timeout loses it",
-              until(lambda: b"in flight: 1\n" in d.get("/readyz?verbose").body, 15))
+              until(lambda: b"in flight: 1\n" in d.get("/readyz?verbose").body, 60))
         got = len(receive(s))
-        check("its connection ends early", got < 3 * MB, got)
+        check("its connection ends early", 0 < got < whole, f"{got} of {whole}")
         s.close()
 
 
