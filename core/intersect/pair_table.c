@@ -1,5 +1,6 @@
 #include "core/intersect/pair_table.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,12 +28,15 @@ static uint32_t start(const struct mp_pair_table *t, uint32_t a, uint32_t b)
 
 static uint32_t *find_slot(const struct mp_pair_table *t, uint32_t a, uint32_t b)
 {
-	for (uint32_t i = start(t, a, b);; i = (i + 1) & (t->slots - 1)) {
-		const struct mp_body_pair *p = t->pair + t->slot[i] - 1;
+	uint32_t i = start(t, a, b);
 
-		if (t->slot[i] == 0 || (p->body[0] == a && p->body[1] == b))
-			return &t->slot[i];
+	for (; t->slot[i] != 0; i = (i + 1) & (t->slots - 1)) {
+		const struct mp_body_pair *p = &t->pair[t->slot[i] - 1];
+
+		if (p->body[0] == a && p->body[1] == b)
+			break;
 	}
+	return &t->slot[i];
 }
 
 struct mp_body_pair *mp_pair_table_find(const struct mp_pair_table *t, uint32_t a, uint32_t b)
@@ -78,6 +82,7 @@ struct mp_body_pair *mp_pair_table_add(struct mp_pair_table *t, uint32_t a, uint
 		t->nomem = true;
 		return NULL;
 	}
+	assert(t->pair != NULL); /* since the first grow() */
 	p = &t->pair[t->pairs];
 	*p = (struct mp_body_pair){.body = {a < b ? a : b, a < b ? b : a}};
 	*find_slot(t, p->body[0], p->body[1]) = ++t->pairs;
