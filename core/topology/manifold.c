@@ -3,6 +3,7 @@
 
 #include "core/sort.h"
 #include "core/topology/disjoint.h"
+#include "core/topology/ring.h"
 #include "core/topology/topology_parts.h"
 
 /*
@@ -32,8 +33,6 @@ struct ring {
 };
 
 enum {
-	FEW = 8, /* links that are compared each with each, side by side: nearly all vertices */
-	SOME = 2 * FEW,
 	AHEAD = 24, /* what to prefetch for: about the latency of memory */
 	BLOCK = 1024
 };
@@ -138,41 +137,36 @@ static void scatter_block(struct ring *r, uint32_t begin, uint32_t end)
 	}
 }
 
+/* The same where all corners are in the range. */
+static void scatter_whole(struct ring *r, uint32_t begin, uint32_t end)
+{
+	uint32_t base = r->row[r->low];
+
+	for (uint32_t t = begin; t < end; t++) {
+		const uint32_t *v = r->mesh->tri[t];
+
+		for (unsigned k = 0; k < 3 && t + AHEAD < end; k++)
+			__builtin_prefetch(&r->row[r->mesh->tri[t + AHEAD][k] + 1], 1);
+		for (unsigned k = 0; k < 3 && t + AHEAD / 2 < end; k++) {
+			uint32_t at = r->row[r->mesh->tri[t + AHEAD / 2][k] + 1] - base;
+
+			__builtin_prefetch(&r->link[at < r->most ? at : 0], 1);
+		}
+		for (uint32_t k = 0; k < 3 && mp_has_edges(v); k++)
+			r->link[r->row[v[k] + 1]++ - base] = link_of(v, k);
+	}
+}
+
 static void scatter(struct ring *r)
 {
 	for (uint32_t t = 0; t < r->mesh->triangles; t = end_of_block(r, t)) {
 		const struct span *s = &r->span[t / BLOCK];
 
-		if (s->min < r->high && s->max >= r->low)
+		if (s->min >= r->low && s->max < r->high)
+			scatter_whole(r, t, end_of_block(r, t));
+		else if (s->min < r->high && s->max >= r->low)
 			scatter_block(r, t, end_of_block(r, t));
 	}
-}
-
-/*
- * Whether the ${n} <= ${lanes} links are one ring: steps from each to one that leaves for where it
- * comes back from are home after n of them and no sooner.  So they meet every link, and no two
- * leave for the same vertex, or the second of these would be met never.
- */
-static inline __attribute__((always_inline)) bool is_short_ring(const uint64_t *link, unsigned n,
-								unsigned lanes)
-{
-	uint32_t leaves[SOME], next[SOME + 1], at = 0, home = 0;
-
-	for (unsigned i = 0; i < lanes; i++)
-		leaves[i] = i < n ? (uint32_t)(link[i] >> 32) : UINT32_MAX; /* no vertex */
-	for (unsigned i = 0; i < n; i++) {
-		uint32_t comes = (uint32_t)link[i], mask = (uint32_t)1 << SOME;
-
-		for (unsigned j = 0; j < lanes; j++)
-			mask |= (leaves[j] == comes ? 1u : 0u) << j;
-		next[i] = (uint32_t)__builtin_ctz(mask);
-	}
-	next[SOME] = SOME; /* a dead end */
-	for (unsigned i = 1; i < n; i++) {
-		at = next[at];
-		home |= at == 0;
-	}
-	return home == 0 && next[at] == 0;
 }
 
 /* The link of ${n} that leaves for ${v}, by their order; ${n} where there is none. */
@@ -231,10 +225,10 @@ static int look_at_range(struct ring *r)
 		size_t n = r->row[v + 1] - r->row[v];
 		int good = 1;
 
-		if (n <= FEW)
-			good = n == 0 || (n > 2 && is_short_ring(link, (unsigned)n, FEW));
-		else if (n <= SOME)
-			good = is_short_ring(link, (unsigned)n, SOME);
+		if (n <= MP_FEW)
+			good = n == 0 || (n > 2 && mp_is_short_ring(link, (unsigned)n, MP_FEW));
+		else if (n <= MP_SOME)
+			good = mp_is_short_ring(link, (unsigned)n, MP_SOME);
 		else
 			good = is_ring(r, link, n);
 		if (good != 1)
