@@ -8,6 +8,15 @@ static bool is_blank(char c)
 	return c == ' ' || c == '\t';
 }
 
+int api_hex(char c)
+{
+	if (c >= '0' && c <= '9')
+		return c - '0';
+	if (c >= 'a' && c <= 'f')
+		return c - 'a' + 10;
+	return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
 size_t api_header_word(const char **value, const char *end)
 {
 	size_t len;

@@ -6,6 +6,9 @@
 
 /* Pieces of header values (RFC 9110, 5.6). */
 
+/* The value of a hexadecimal digit, for %-escapes; -1 for anything else. */
+int api_hex(char c);
+
 /*
  * The first word of a header value: moves ${*value} behind leading blanks and returns the length
  * up to one of the characters of ${end}, without the blanks before it.

@@ -12,23 +12,14 @@ static bool is_word(const char *text, size_t len, const char *word)
 	return strlen(word) == len && strncasecmp(text, word, len) == 0;
 }
 
-static int hex(char c)
-{
-	if (c >= '0' && c <= '9')
-		return c - '0';
-	if (c >= 'a' && c <= 'f')
-		return c - 'a' + 10;
-	return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-}
-
 /* What %-escapes stand for, where it is no control character. */
 static void unescape(char *text)
 {
 	char *out = text;
 
 	for (; *text != '\0'; text++) {
-		int high = *text == '%' ? hex(text[1]) : -1;
-		int low = high >= 0 ? hex(text[2]) : -1;
+		int high = *text == '%' ? api_hex(text[1]) : -1;
+		int low = high >= 0 ? api_hex(text[2]) : -1;
 
 		if (low >= 0 && high * 16 + low >= 0x20 && high * 16 + low != 0x7f) {
 			*out++ = (char)(high * 16 + low);

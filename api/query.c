@@ -1,19 +1,11 @@
 #include <string.h>
 
+#include "api/header.h"
 #include "api/options.h"
 
 /* The raw query of a URL, application/x-www-form-urlencoded (WHATWG URL, section 5.1). */
 
 enum { MOST_NAME = 512, MOST_VALUE = 4096 };
-
-static int hex(char c)
-{
-	if (c >= '0' && c <= '9')
-		return c - '0';
-	if (c >= 'a' && c <= 'f')
-		return c - 'a' + 10;
-	return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-}
 
 /* Decoded length, or -1: an escape is malformed, or the text does not fit ${cap}. */
 static int decode(const char *in, size_t len, char *out, size_t cap)
@@ -27,9 +19,9 @@ static int decode(const char *in, size_t len, char *out, size_t cap)
 			out[n] = (char)(in[i] == '+' ? ' ' : in[i]);
 			continue;
 		}
-		if (len - i < 3 || hex(in[i + 1]) < 0 || hex(in[i + 2]) < 0)
+		if (len - i < 3 || api_hex(in[i + 1]) < 0 || api_hex(in[i + 2]) < 0)
 			return -1;
-		out[n] = (char)(hex(in[i + 1]) * 16 + hex(in[i + 2]));
+		out[n] = (char)(api_hex(in[i + 1]) * 16 + api_hex(in[i + 2]));
 		i += 2;
 	}
 	return (int)n;

@@ -5,6 +5,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "server/io.h"
+
 void srv_body_init(struct srv_body *b, struct srv_budget *budget)
 {
 	memset(b, 0, sizeof *b);
@@ -28,33 +30,20 @@ static int charge(struct srv_body *b, uint64_t bytes)
 	return 0;
 }
 
-static int put_all(int fd, const uint8_t *bytes, size_t len)
-{
-	while (len > 0) {
-		ssize_t n = write(fd, bytes, len);
-
-		if (n <= 0)
-			return -1;
-		bytes += n;
-		len -= (size_t)n;
-	}
-	return 0;
-}
-
 static int to_file(struct srv_body *b, const uint8_t *bytes, size_t len)
 {
 	if (charge(b, len) != 0)
 		return -1;
 	if (b->fd < 0) {
 		b->fd = memfd_create("body", MFD_CLOEXEC);
-		if (b->fd < 0 || put_all(b->fd, b->bytes, b->len) != 0)
+		if (b->fd < 0 || srv_write_all(b->fd, b->bytes, b->len) != 0)
 			return -1;
 		b->spooled = b->len;
 		free(b->bytes);
 		b->bytes = NULL;
 		b->size = 0;
 	}
-	if (put_all(b->fd, bytes, len) != 0)
+	if (srv_write_all(b->fd, bytes, len) != 0)
 		return -1;
 	b->spooled += len;
 	return 0;

@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "server/io.h"
+
 enum { FILE_MAX = 1 << 20 };
 
 struct text {
@@ -45,19 +47,6 @@ static int read_all(int fd, size_t most, struct text *t)
 	else if (t->len > most)
 		errno = EFBIG;
 	return -1;
-}
-
-static int write_all(int fd, const char *bytes, size_t len)
-{
-	while (len > 0) {
-		ssize_t n = write(fd, bytes, len);
-
-		if (n < 0 && errno != EINTR)
-			return -1;
-		bytes += n > 0 ? n : 0;
-		len -= n > 0 ? (size_t)n : 0;
-	}
-	return 0;
 }
 
 static bool blank(char c)
@@ -130,7 +119,7 @@ static int seal(const struct text *t)
 
 	if (fd < 0)
 		return -1;
-	if (write_all(fd, t->bytes, t->len) == 0 &&
+	if (srv_write_all(fd, t->bytes, t->len) == 0 &&
 	    fcntl(fd, F_ADD_SEALS, F_SEAL_SEAL | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0)
 		return fd;
 	close(fd);

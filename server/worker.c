@@ -11,6 +11,7 @@
 
 #include "server/channel.h"
 #include "server/clock.h"
+#include "server/io.h"
 
 /*
  * Fresh pages cost more than anything that is done with them, so what was touched stays, mapped and
@@ -107,19 +108,6 @@ static bool feed_ring(struct worker *w, struct api_job *job)
 	}
 }
 
-static int put_all(int fd, const char *bytes, size_t len)
-{
-	while (len > 0) {
-		ssize_t n = write(fd, bytes, len);
-
-		if (n <= 0)
-			return -1;
-		bytes += n;
-		len -= (size_t)n;
-	}
-	return 0;
-}
-
 static void copy_text(char *to, size_t size, const char *from)
 {
 	size_t n = strnlen(from, size - 1);
@@ -150,7 +138,7 @@ static int place_answer(struct worker *w, const struct api_answer *a)
 		memcpy(w->segment->answer, a->body, a->len);
 	} else {
 		fd = memfd_create("answer", MFD_CLOEXEC);
-		if (fd < 0 || put_all(fd, a->body, a->len) != 0)
+		if (fd < 0 || srv_write_all(fd, a->body, a->len) != 0)
 			_exit(SRV_EXIT_NO_MEMORY); /* the front answers for us */
 	}
 	return fd;

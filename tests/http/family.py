@@ -1,5 +1,6 @@
 """The processes of a daemon, seen through /proc."""
 import os
+import re
 import signal
 import time
 
@@ -51,6 +52,18 @@ def descriptors(pid):
     except OSError:
         pass
     return out
+
+
+def memory(pid):
+    """Bytes of the master and its children, shared pages in proportion."""
+    total = 0
+    for p in [pid, *children(pid)]:
+        try:
+            with open(f"/proc/{p}/smaps_rollup", encoding="ascii") as f:
+                total += 1024 * int(re.search(r"^Pss: +(\d+)", f.read(), re.M)[1])
+        except (OSError, TypeError):  # it has just ended
+            pass
+    return total
 
 
 def front(master):

@@ -17,18 +17,6 @@ from wire import *
 CLIENTS = 6
 
 
-def memory(pid):
-    """Bytes of the master and its children, shared pages in proportion."""
-    total = 0
-    for p in [pid, *children(pid)]:
-        try:
-            with open(f"/proc/{p}/smaps_rollup", encoding="ascii") as f:
-                total += 1024 * int(re.search(r"^Pss: +(\d+)", f.read(), re.M)[1])
-        except (OSError, TypeError):  # it has just ended
-            pass
-    return total
-
-
 def obj(mesh):
     places = {}
     faces = ["f " + " ".join(str(places.setdefault(p, len(places) + 1)) for p in t) for t in mesh]

@@ -18,18 +18,6 @@ def solid(facets):
     return FILE[:80] + struct.pack("<I", facets) + FILE[84:] * (facets // 12)
 
 
-def memory(pid):
-    """Bytes of the master and its children, shared pages in proportion."""
-    total = 0
-    for p in [pid, *children(pid)]:
-        try:
-            with open(f"/proc/{p}/smaps_rollup", encoding="ascii") as f:
-                total += 1024 * int(re.search(r"^Pss: +(\d+)", f.read(), re.M)[1])
-        except (OSError, TypeError):  # it has just ended
-            pass
-    return total
-
-
 class Watch:
     """The most memory() in the meantime."""
 
