@@ -1,6 +1,7 @@
 """Who may ask: API keys, their rotation, and the listener that is kept for /metrics."""
 import re
 
+from family import *
 from harness import *
 
 PART = stl(box((0, 0, 0), (40, 30, 20)))
@@ -31,17 +32,6 @@ def secrets_in(pid, secret):
             except OSError:
                 pass
     return False
-
-
-def family_roles(pid):
-    """(front, [workers]) of the master ${pid}: the front is the one with listening sockets."""
-    children = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True,
-                              text=True).stdout.split()
-    front = [c for c in children if any("socket" in os.readlink(f"/proc/{c}/fd/{n}")
-                                        for n in os.listdir(f"/proc/{c}/fd")) and
-             any("eventpoll" in os.readlink(f"/proc/{c}/fd/{n}")
-                 for n in os.listdir(f"/proc/{c}/fd"))]
-    return front[0], [c for c in children if c != front[0]]
 
 
 with tempfile.TemporaryDirectory() as folder:
@@ -90,13 +80,13 @@ with tempfile.TemporaryDirectory() as folder:
         big = stl(box((0, 0, 0), (1, 1, 1)) * 40000)
         a = d.post(big, "-H", "Expect:")
         check("who sends all the same gets it behind the body", a.status == 401, a)
-        front, workers = family_roles(d.pid)
-        check("there are workers", len(workers) == 2, workers)
+        polls, crew = front(d.pid), workers(d.pid)
+        check("there are workers", len(crew) == 2, crew)
         if os.geteuid() == 0:
-            held = [w for w in workers if secrets_in(w, b"shop-key-4711")]
+            held = [w for w in crew if secrets_in(w, b"shop-key-4711")]
             check("no worker has a key in its memory", not held, held)
             check("the front has (or the test above looks in vain)",
-                  secrets_in(front, b"shop-key-4711"))
+                  secrets_in(polls, b"shop-key-4711"))
 
         write("new-key-1\n")
         d.process.send_signal(signal.SIGHUP)
@@ -116,7 +106,7 @@ with tempfile.TemporaryDirectory() as folder:
         write("newest\n")
         d.process.send_signal(signal.SIGHUP)
         check("another rotation", wait_log(d, "new ones are in force"), d.log())
-        os.kill(int(family_roles(d.pid)[0]), signal.SIGKILL)
+        kill(front(d.pid))
         d.wait_ready()
         check("a front that is new has the keys of now",
               d.post(PART, *bearer("newest")).status == 200 and
