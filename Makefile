@@ -57,6 +57,7 @@ endif
 # Optimisation of single files, in the place of -O2: opt_FOLDER/NAME.c.
 opt_core/moments/moments_kernel.c := -O3
 opt_core/exact/exact_digits.c := -O3
+opt_core/obj/polygon.c := -O3
 opt_core/topology/manifold.c := -O3
 opt_core/moments/uncertainty.c := -O3
 opt_core/stl/stl_binary.c := -O3

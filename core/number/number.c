@@ -158,7 +158,7 @@ int mp_number_parse(const char *text, size_t len, double *value)
 
 	if (len == 0)
 		return -1;
-	if (mp_number_scan(text, text + len, false, &v) != text + len) {
+	if (mp_number_scan_bytes(text, text + len, &v) != text + len) {
 		mp_decimal_begin(&d);
 		mp_decimal_feed(&d, text, len);
 		if (mp_decimal_finish(&d, &v) && not_finite(text, len, &v))

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /* The pieces of core/number/number.h, for text decoders that read numbers in place. */
 
@@ -71,47 +72,88 @@ static inline double mp_number_compose(uint64_t w, int64_t q, bool negative)
 	return v * sign[negative];
 }
 
+/* Eight bytes of text, the first one lowest. */
+static inline uint64_t mp_text8(const char *p)
+{
+	uint64_t v;
+
+	memcpy(&v, p, sizeof v);
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+	v = __builtin_bswap64(v);
+#endif
+	return v;
+}
+
+/* Four of them. */
+static inline uint32_t mp_text4(const char *p)
+{
+	uint32_t v;
+
+	memcpy(&v, p, sizeof v);
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+	v = __builtin_bswap32(v);
+#endif
+	return v;
+}
+
+/* Digit values to the number they spell: pairs, then fours, then all eight. */
+static inline uint64_t mp_digits8(uint64_t digit)
+{
+	const uint64_t fours = UINT64_C(0x000000ff000000ff);
+
+	digit = digit * 10 + (digit >> 8);
+	return (((digit & fours) * (100 + (UINT64_C(1000000) << 32))) +
+		((digit >> 16 & fours) * (1 + (UINT64_C(10000) << 32)))) >>
+	       32;
+}
+
 /*
- * mp_number_scan(p, end, stopped, value):
+ * mp_number_scan_bytes(p, end, value):
  * Read the common kind of number at the start of [p, end): at most 19 digits, an exponent of at
  * most 4.  Returns where it ends, so that the caller can see what follows, or NULL for
- * anything else, which mp_number_parse() is then asked about.  ${stopped}, a constant: *end may
- * be read and is a blank, which saves looking for the end at every byte.
+ * anything else, which mp_number_parse() is then asked about.
  */
-static inline __attribute__((always_inline)) const char *
-mp_number_scan(const char *p, const char *end, bool stopped, double *value)
+const char *mp_number_scan_bytes(const char *p, const char *end, double *value);
+
+/* The same where MP_NUMBER_ROOM bytes can be read; NULL for what is not finite, too. */
+enum { MP_NUMBER_ROOM = 1 + 8 + 1 + 24 + 7 }; /* sign, whole, point, fraction, exponent */
+const char *mp_number_scan_text(const char *p, double *value);
+
+/*
+ * What printf prints for %e, behind the sign: d.dddddde+dd and a blank, 13 bytes.  The places of
+ * all bytes are known, so that nothing behind has to wait for them.
+ */
+enum { MP_NUMBER_E = 12 };
+static inline __attribute__((always_inline)) bool mp_number_scan_e(const char *p, bool negative,
+								   double *value)
 {
-	bool negative = (stopped || p < end) && *p == '-';
-	uint64_t w = 0;
-	int64_t q = 0;
-	const char *first;
-	ptrdiff_t digits;
+	/* Digits become their values, the point and e+ become 0. */
+	uint64_t digit = mp_text8(p) ^ UINT64_C(0x3030303030302e30), w;
+	uint32_t tail = mp_text4(p + 8) ^ UINT32_C(0x30302b65), e;
+	uint32_t sign = (uint32_t)(uint8_t)p[9] - '+'; /* 2 for a minus */
+	int64_t q;
 
-	p += negative || ((stopped || p < end) && *p == '+');
-	for (first = p; (stopped || p < end) && mp_is_digit(*p); p++)
-		w = w * 10 + mp_digit(*p); /* may wrap, then there are over 19 digits */
-	digits = p - first;
-	if ((stopped || p < end) && *p == '.') {
-		for (first = ++p; (stopped || p < end) && mp_is_digit(*p); p++)
-			w = w * 10 + mp_digit(*p);
-		q = first - p;
-		digits += p - first;
-	}
-	if (digits < 1 || digits > 19)
-		return NULL;
-	if ((stopped || p < end) && (*p | 0x20) == 'e') {
-		bool minus = (++p, stopped || p < end) && *p == '-';
-		int64_t e = 0;
-
-		p += minus || ((stopped || p < end) && *p == '+');
-		for (first = p; (stopped || p < end) && mp_is_digit(*p) && p - first < 5; p++)
-			e = e * 10 + mp_digit(*p);
-		if (p == first || p - first > 4)
-			return NULL;
-		q += minus ? -e : e;
-	}
+	if (((digit + UINT64_C(0x7676767676767f76)) | digit) & UINT64_C(0x8080808080808080))
+		return false;
+	if (((tail | (tail + UINT32_C(0x06060000))) & UINT32_C(0xf0f000df)) |
+	    (sign & ~UINT32_C(2)) | ((uint8_t)p[12] > ' '))
+		return false;
+	w = mp_digits8(digit + 255 * (digit & 15)); /* the first one over the point */
+	e = (tail >> 16 & 15) * 10 + (tail >> 24);
+	q = (sign ? -(int64_t)e : (int64_t)e) - 6;
 	*value = mp_number_compose(w, q, negative);
-	return p;
+	return true;
+}
+
+/* mp_number_scan_text(), with the most frequent kind of number in an STL inline. */
+static inline __attribute__((always_inline)) const char *mp_number_scan(const char *p,
+									double *value)
+{
+	bool negative = *p == '-';
+
+	if (!mp_number_scan_e(p + negative, negative, value))
+		return mp_number_scan_text(p, value);
+	return p + negative + MP_NUMBER_E;
 }
 
 #endif

@@ -31,8 +31,16 @@ struct shape {
 	double off;       /* the thickness times the length of the normal */
 };
 
+/* Inline where the number of corners is known: nearly all polygons that are no triangles have 4. */
+#define INLINE static inline __attribute__((always_inline))
+
+INLINE double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
+
 /* All coordinates times ${scale}, a power of two. */
-static void measure(const double (*xyz)[3], const uint32_t *corner, uint32_t n, double scale,
+INLINE void measure(const double (*xyz)[3], const uint32_t *corner, uint32_t n, double scale,
 		    struct shape *s)
 {
 	const double *p = xyz[corner[0]];
@@ -62,7 +70,7 @@ static void measure(const double (*xyz)[3], const uint32_t *corner, uint32_t n, 
 		high = off > high ? off : high;
 	}
 	s->off = high - low;
-	s->largest = s->size + fmax(fabs(o[0]), fmax(fabs(o[1]), fabs(o[2])));
+	s->largest = s->size + larger(fabs(o[0]), larger(fabs(o[1]), fabs(o[2])));
 }
 
 /* A power of two that brings the largest coordinate to about 1, as far as one does. */
@@ -79,7 +87,7 @@ static double scale_of(const double (*xyz)[3], const uint32_t *corner, uint32_t 
 }
 
 /* The axes of the plane in which the polygon is looked at; false where it has no area. */
-static bool choose_axes(const struct shape *s, int axis[2])
+INLINE bool choose_axes(const struct shape *s, int axis[2])
 {
 	int k = 0;
 
@@ -95,8 +103,22 @@ static bool choose_axes(const struct shape *s, int axis[2])
 	return s->normal[k] != 0;
 }
 
+/*
+ * mp_orient2d(a, b, c) > 0.  Products in this range are normal numbers; four times half an ulp of
+ * their sum is more than they and the differences can be off (see core/geometry/predicates.c).
+ */
+INLINE bool is_left(const double a[2], const double b[2], const double c[2])
+{
+	double left = (a[0] - c[0]) * (b[1] - c[1]), right = (a[1] - c[1]) * (b[0] - c[0]);
+	double sum = fabs(left) + fabs(right);
+
+	if (sum > 0x1p-960 && sum < 0x1p1020 && left - right > 0x1p-51 * sum)
+		return true;
+	return mp_orient2d(a, b, c) > 0;
+}
+
 /* Are all triangles of the fan from corner ${first} counter-clockwise, none of them flat? */
-static bool is_good_fan(const double (*xyz)[3], const uint32_t *corner, uint32_t n, uint32_t first,
+INLINE bool is_good_fan(const double (*xyz)[3], const uint32_t *corner, uint32_t n, uint32_t first,
 			const int axis[2])
 {
 	double point[3][2];
@@ -106,13 +128,13 @@ static bool is_good_fan(const double (*xyz)[3], const uint32_t *corner, uint32_t
 
 		p[0] = xyz[corner[at]][axis[0]];
 		p[1] = xyz[corner[at]][axis[1]];
-		if (i >= 2 && mp_orient2d(point[0], point[1 + (i - 1) % 2], p) <= 0)
+		if (i >= 2 && !is_left(point[0], point[1 + (i - 1) % 2], p))
 			return false;
 	}
 	return true;
 }
 
-static int fan(struct mp_polygon *p, uint32_t n, uint32_t first)
+INLINE int fan(struct mp_polygon *p, uint32_t n, uint32_t first)
 {
 	uint32_t at = first + 1; /* first is 0 or 1, n at least 3 */
 
@@ -157,6 +179,32 @@ void *polygon_room(struct mp_polygon *p, size_t size, struct mp_error *err)
 	return p->work;
 }
 
+INLINE double twice_area(const struct shape *s)
+{
+	return sqrt(s->normal[0] * s->normal[0] + s->normal[1] * s->normal[1] +
+		    s->normal[2] * s->normal[2]);
+}
+
+INLINE bool is_nonplanar(const struct shape *s, double area)
+{
+	return s->off > area * (FLAT * s->size + FLAT_ROUNDED * s->largest);
+}
+
+/* The steps of mp_polygon_split() as far as they go without a detour. */
+static bool usual_quad(struct mp_polygon *p, const double (*xyz)[3], const uint32_t *corner)
+{
+	struct shape s;
+	int axis[2];
+
+	measure(xyz, corner, 4, 1, &s);
+	if (!(s.size > SMALL && s.largest < LARGE) || !choose_axes(&s, axis) ||
+	    !is_good_fan(xyz, corner, 4, 0, axis))
+		return false;
+	p->nonplanar = is_nonplanar(&s, twice_area(&s));
+	(void)fan(p, 4, 0);
+	return true;
+}
+
 int mp_polygon_split(struct mp_polygon *p, const double (*xyz)[3], const uint32_t *corner,
 		     uint32_t n, struct mp_error *err)
 {
@@ -166,6 +214,8 @@ int mp_polygon_split(struct mp_polygon *p, const double (*xyz)[3], const uint32_
 	bool done = false;
 
 	p->nonplanar = p->tangled = false;
+	if (n == 4 && p->tri_room >= 4 && usual_quad(p, xyz, corner))
+		return 0;
 	if (n >= MOST)
 		return mp_fail_nomem(err);
 	if (reserve(p, n, err))
@@ -177,9 +227,8 @@ int mp_polygon_split(struct mp_polygon *p, const double (*xyz)[3], const uint32_
 		measure(xyz, corner, n, scale_of(xyz, corner, n), &s);
 	if (!choose_axes(&s, axis))
 		return fan(p, n, 0);
-	area =
-	    sqrt(s.normal[0] * s.normal[0] + s.normal[1] * s.normal[1] + s.normal[2] * s.normal[2]);
-	p->nonplanar = s.off > area * (FLAT * s.size + FLAT_ROUNDED * s.largest);
+	area = twice_area(&s);
+	p->nonplanar = is_nonplanar(&s, area);
 	if (is_good_fan(xyz, corner, n, 0, axis))
 		return fan(p, n, 0);
 	if (n == 4 && is_good_fan(xyz, corner, n, 1, axis))

@@ -4,29 +4,55 @@
 
 /* The usual facet in one go; stl_ascii.c takes what this refuses and gives the same answers. */
 
-/* One blank at least; NULL where there is none, or one that needs thought, or the end. */
-static inline const char *blanks(const char *p, const char *end, uint64_t *line)
+#define INLINE static inline __attribute__((always_inline))
+
+static const char *any_blanks(const char *p, const char *end, uint64_t *line)
 {
-	const char *begin = p;
+	uint64_t n = *line;
 
 	for (; p < end && (unsigned char)*p <= ' '; p++) {
 		if (*p == '\n')
-			++*line;
+			n++;
 		else if (*p == '\r' ? p + 1 == end || p[1] != '\n' : *p != ' ' && *p != '\t')
 			return NULL;
 	}
-	return p == begin || p == end ? NULL : p;
+	*line = n;
+	return p == end ? NULL : p;
+}
+
+/* What blanks() may look at, and each of the others leaves before the end. */
+enum { BLANKS_ROOM = 11, WORD_ROOM = 8 + BLANKS_ROOM, ROOM = MP_NUMBER_ROOM + BLANKS_ROOM };
+
+/*
+ * One blank at least; NULL where there is none, or one that needs thought, or the end.  First what
+ * nearly all are: one space; a line end and at most 8 spaces.
+ */
+INLINE const char *blanks(const char *p, const char *end, uint64_t *line)
+{
+	if (*p == ' ' && (unsigned char)p[1] > ' ')
+		return p + 1;
+	p += *p == '\r' && p[1] == '\n';
+	if (*p == '\n') {
+		uint64_t odd = mp_text8(p + 1) ^ UINT64_C(0x2020202020202020);
+		const char *next = p + 1 + (odd != 0 ? __builtin_ctzll(odd) >> 3 : 8);
+
+		if ((unsigned char)*next > ' ') {
+			++*line;
+			return next;
+		}
+	}
+	return (unsigned char)*p > ' ' ? NULL : any_blanks(p, end, line);
 }
 
 /* ${name}, ${len} letters filled up to 8 with NULs, in any case, and blanks behind them. */
-static inline const char *word(const char *p, const char *end, const char name[8], size_t len,
-			       uint64_t *line)
+INLINE const char *word(const char *p, const char *end, const char name[8], size_t len,
+			uint64_t *line)
 {
 	static const char letters[16] = {-1, -1, -1, -1, -1, -1, -1, -1};
 	const uint64_t low = 0x2020202020202020; /* tells A from a and no letter from another */
 	uint64_t have, want, mask;
 
-	if (p == NULL || end - p < 8)
+	if (p == NULL || end - p < WORD_ROOM)
 		return NULL;
 	memcpy(&have, p, 8);
 	memcpy(&want, name, 8);
@@ -35,11 +61,13 @@ static inline const char *word(const char *p, const char *end, const char name[8
 }
 
 /* Three finite numbers, each with blanks behind it. */
-static inline const char *numbers(const char *p, const char *end, double out[3], uint64_t *line)
+INLINE const char *numbers(const char *p, const char *end, double out[3], uint64_t *line)
 {
-	for (int i = 0; i < 3 && p != NULL; i++) {
-		p = mp_number_scan(p, end, true, &out[i]);
-		if (p == NULL || !isfinite(out[i]))
+	for (int i = 0; i < 3; i++) {
+		if (p == NULL || end - p < ROOM)
+			return NULL;
+		p = mp_number_scan(p, &out[i]);
+		if (p == NULL)
 			return NULL;
 		p = blanks(p, end, line);
 	}
@@ -52,7 +80,7 @@ const char *stl_text_facet(const char *p, const char *end, double tri[9], double
 	uint64_t n = *line, after;
 
 	if (p < end && (unsigned char)*p <= ' ')
-		p = blanks(p, end, &n);
+		p = any_blanks(p, end, &n);
 	p = word(p, end, "facet\0\0", 5, &n);
 	p = word(p, end, "normal\0", 6, &n);
 	if (p != NULL)

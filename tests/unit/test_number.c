@@ -249,6 +249,57 @@ static void random_text(char *text, unsigned most)
 		sprintf(p, "%c%d", "eE"[below(2)], (int)below(700) - 350);
 }
 
+/* Both scanners on an exact-size copy: what they take is what mp_number_parse() makes of it. */
+static bool check_scan(const char *text, size_t len)
+{
+	char *room = malloc(len + MP_NUMBER_ROOM);
+	const char *scanned, *inlined;
+	double whole = 0, v = 0, w = 0;
+
+	assert_non_null(room);
+	memcpy(room, text, len);
+	memset(room + len, ' ', MP_NUMBER_ROOM);
+	scanned = mp_number_scan_text(room, &v);
+	inlined = mp_number_scan(room, &w);
+	if (scanned != inlined || (scanned != NULL && bits_of(v) != bits_of(w)))
+		fail_msg("\"%.60s\": the scanners disagree", text);
+	if (scanned == room + len &&
+	    (parse(text, len, &whole) != 0 || bits_of(v) != bits_of(whole)))
+		fail_msg("\"%.60s\": scanned as %a", text, v);
+	len = scanned == room + len;
+	free(room);
+	return len != 0;
+}
+
+static void scanning_in_place_agrees(void **state)
+{
+	static const char *const format[] = {"%e",  "%f",   "%g",    "%.9g", "%E",      "%.3f",
+					     "%+e", "%.8e", "%.17g", "%.0f", "%010.4f", "%+.1f"};
+	char text[400];
+
+	(void)state;
+	for (int i = 0; i < 60000; i++) {
+		double x = (double)(int64_t)random64() / (double)(1 + (random64() >> below(63)));
+		int len;
+
+		if (below(4) == 0)
+			x *= pow(10, (int)below(700) - 350);
+		if (below(8) == 0)
+			x = below(3);
+		len = snprintf(text, sizeof text, format[i % 12], below(2) ? x : -x);
+		if (fabs(x) < 1e7 && fabs(x) > 0.1 && !check_scan(text, (size_t)len))
+			fail_msg("%s is not scanned", text);
+		for (int k = 0; k < 20; k++) {
+			size_t at = below((unsigned)len);
+			char was = text[at];
+
+			text[at] = k < 10 ? "0189.eE+-:"[k] : (char)below(256);
+			(void)check_scan(text, (size_t)len);
+			text[at] = was;
+		}
+	}
+}
+
 static void random_decimals_agree_with_strtod(void **state)
 {
 	char text[1100];
@@ -382,6 +433,7 @@ int main(void)
 	    cmocka_unit_test(names_what_is_not_finite),
 	    cmocka_unit_test(extremes_are_right),
 	    cmocka_unit_test(every_bit_pattern_reads_back),
+	    cmocka_unit_test(scanning_in_place_agrees),
 	    cmocka_unit_test(random_decimals_agree_with_strtod),
 	    cmocka_unit_test(ties_go_to_even),
 	    cmocka_unit_test(long_numbers_are_exact),
