@@ -97,7 +97,7 @@ static bool enter(struct srv_clients *c, int fd, bool inside, const struct socka
 	struct srv_client *client = srv_clients_at(c, fd);
 	int one = 1;
 
-	if (client == NULL || c->open >= (unsigned)c->most) {
+	if (client == NULL || c->open >= (unsigned)c->most + (inside ? SRV_INSIDE_RESERVE : 0)) {
 		turn_away(fd);
 		return false;
 	}

@@ -11,6 +11,7 @@ struct srv_front;
 struct srv_exchange;
 
 enum { SRV_CONNECTION_BYTES = 128 << 10 }; /* the library's memory for each */
+enum { SRV_INSIDE_RESERVE = 8 };           /* more, for the listener that strangers do not reach */
 
 struct srv_client {
 	bool used, served; /* served: it has had an answer before */

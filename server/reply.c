@@ -1,5 +1,6 @@
 #include "server/reply.h"
 
+#include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -122,17 +123,22 @@ static bool is_time(double ms)
 	return ms >= 0 && ms < 1e12;
 }
 
-/*
- * The worker's words are copied once and then judged: it may write while we read.  A descriptor
- * must be a file of the length that was said: a pipe would never end.
- */
+/* A sealed file of the length that was said: a pipe would never end. */
+static bool sane_file(int fd, uint64_t len)
+{
+	int seals = fcntl(fd, F_GET_SEALS);
+
+	return seals >= 0 && (seals & SRV_ANSWER_SEALS) == SRV_ANSWER_SEALS && len <= INT64_MAX &&
+	       lseek(fd, 0, SEEK_END) == (off_t)len;
+}
+
+/* The worker's words are copied once and then judged: it may write while we read. */
 static bool sane(struct srv_result *r, int fd)
 {
 	r->format[sizeof r->format - 1] = '\0';
 	r->content_type[sizeof r->content_type - 1] = '\0';
 	r->origin[sizeof r->origin - 1] = '\0';
-	if (fd < 0 ? r->len > SRV_ANSWER
-		   : r->len > INT64_MAX || lseek(fd, 0, SEEK_END) != (off_t)r->len)
+	if (fd < 0 ? r->len > SRV_ANSWER : !sane_file(fd, r->len))
 		return false;
 	return r->status >= 200 && r->status < 600 && r->code >= 0 && r->code < API_CODES &&
 	       r->content_type[0] != '\0' && plain(r->content_type) && plain(r->format) &&

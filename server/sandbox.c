@@ -1,6 +1,7 @@
 #include "server/sandbox.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <linux/landlock.h>
 #include <seccomp.h>
 #include <stdbool.h>
@@ -12,7 +13,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* Memory, descriptors that are there, time, random bytes, and the way out through abort(). */
+/* Memory, descriptors that are there, time, random bytes, and the way out. */
 static const int both[] = {
     SCMP_SYS(read),          SCMP_SYS(write),          SCMP_SYS(pread64),
     SCMP_SYS(recvmsg),       SCMP_SYS(sendmsg),        SCMP_SYS(close),
@@ -23,8 +24,10 @@ static const int both[] = {
     SCMP_SYS(clock_gettime), SCMP_SYS(gettimeofday),   SCMP_SYS(clock_nanosleep),
     SCMP_SYS(nanosleep),     SCMP_SYS(sched_yield),    SCMP_SYS(restart_syscall),
     SCMP_SYS(rt_sigaction),  SCMP_SYS(rt_sigprocmask), SCMP_SYS(rt_sigreturn),
-    SCMP_SYS(getpid),        SCMP_SYS(gettid),         SCMP_SYS(tgkill),
-    SCMP_SYS(exit),          SCMP_SYS(exit_group)};
+    SCMP_SYS(getpid),        SCMP_SYS(gettid),         SCMP_SYS(exit),
+    SCMP_SYS(exit_group)};
+
+enum { MAP_TYPE_BITS = 0x0f }; /* of the flags of mmap() */
 
 /* Sockets that were given to it or that it accepts; signals through descriptors of workers. */
 static const int front[] = {
@@ -64,15 +67,32 @@ static int allow(scmp_filter_ctx ctx, const int *list, size_t count, uint32_t ac
 
 #define LIST(list) list, sizeof(list) / sizeof(list)[0]
 
-/* Memory may be mapped, never to be executed. */
+/* Memory may be mapped, never to be executed, nor shared: RLIMIT_DATA counts what is private. */
 static int allow_mapping(scmp_filter_ctx ctx)
 {
-	int rc = seccomp_rule_add(ctx, SCMP_ACT_ALLOW, SCMP_SYS(mmap), 1,
-				  SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
+	int rc = seccomp_rule_add(ctx, SCMP_ACT_ALLOW, SCMP_SYS(mmap), 2,
+				  SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0),
+				  SCMP_A3(SCMP_CMP_MASKED_EQ, MAP_TYPE_BITS, MAP_PRIVATE));
 
 	return rc != 0 ? rc
 		       : seccomp_rule_add(ctx, SCMP_ACT_ALLOW, SCMP_SYS(mprotect), 1,
 					  SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
+}
+
+/* The way out through abort(): a signal to itself, and to nobody else of the same user. */
+static int allow_abort(scmp_filter_ctx ctx)
+{
+	return seccomp_rule_add(ctx, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
+				SCMP_A0(SCMP_CMP_EQ, (scmp_datum_t)getpid()));
+}
+
+/* A worker seals its answers. */
+static int allow_sealing(scmp_filter_ctx ctx)
+{
+	int rc = seccomp_rule_add(ctx, SCMP_ACT_ALLOW, SCMP_SYS(fcntl), 1,
+				  SCMP_A1(SCMP_CMP_EQ, F_ADD_SEALS));
+
+	return rc == -EDOM || rc == -EINVAL ? 0 : rc;
 }
 
 static int filter_calls(enum srv_sandbox_role role)
@@ -85,8 +105,10 @@ static int filter_calls(enum srv_sandbox_role role)
 	rc = allow(ctx, LIST(both), SCMP_ACT_ALLOW);
 	rc = rc != 0 ? rc : allow(ctx, LIST(deadly), SCMP_ACT_KILL_PROCESS);
 	rc = rc != 0 ? rc : allow_mapping(ctx);
-	if (rc == 0 && role == SRV_SANDBOX_FRONT)
-		rc = allow(ctx, LIST(front), SCMP_ACT_ALLOW);
+	rc = rc != 0 ? rc : allow_abort(ctx);
+	if (rc == 0)
+		rc = role == SRV_SANDBOX_FRONT ? allow(ctx, LIST(front), SCMP_ACT_ALLOW)
+					       : allow_sealing(ctx);
 	rc = rc != 0 ? rc : seccomp_load(ctx);
 	seccomp_release(ctx);
 	return rc;

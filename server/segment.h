@@ -1,6 +1,7 @@
 #ifndef SRV_SEGMENT_H
 #define SRV_SEGMENT_H
 
+#include <fcntl.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -56,6 +57,13 @@ struct srv_segment {
 	uint8_t ring[SRV_RING];
 	char answer[SRV_ANSWER];
 };
+
+/*
+ * What a worker does to the file of a large answer, and the front insists on: it stays as it was
+ * measured and charged, whatever becomes of the worker.  A file that shrinks while it is being
+ * sent would never end, one that can be written could show another client's answer.
+ */
+enum { SRV_ANSWER_SEALS = F_SEAL_SEAL | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE };
 
 /* Messages on the socket pair, one byte each; JOB and ANSWER may bring a descriptor along. */
 enum srv_message {

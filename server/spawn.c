@@ -30,14 +30,20 @@ static void become_child(struct srv_master *m, const char *role)
 	(void)sigprocmask(SIG_SETMASK, &m->old_mask, NULL);
 }
 
-static void limit_memory(uint64_t bytes)
+/* Files of the kind that answers are lie in memory, too: few of them, each within the same limit.
+ */
+static void limit_memory(uint64_t bytes, int sock)
 {
 #ifndef MP_SANITIZED
-	struct rlimit limit = {bytes, bytes};
+	struct rlimit limit = {bytes, bytes}, few = {(rlim_t)sock + 8, (rlim_t)sock + 8};
 
+	(void)signal(SIGXFSZ, SIG_IGN); /* the write fails */
 	(void)setrlimit(RLIMIT_DATA, &limit);
+	(void)setrlimit(RLIMIT_FSIZE, &limit);
+	(void)setrlimit(RLIMIT_NOFILE, &few);
 #else
 	(void)bytes;
+	(void)sock;
 #endif
 }
 
@@ -55,7 +61,7 @@ _Noreturn static void worker_child(struct srv_master *m, unsigned i, int sock)
 		if (k != i)
 			(void)munmap(m->slot[k].segment, sizeof(struct srv_segment));
 	(void)setrlimit(RLIMIT_CORE, &no_core);
-	limit_memory(i + 1 == m->slots ? m->memory.lane : m->memory.worker);
+	limit_memory(i + 1 == m->slots ? m->memory.lane : m->memory.worker, sock);
 	srv_worker_run(m->config, sock, m->slot[i].segment);
 }
 

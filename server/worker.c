@@ -1,6 +1,7 @@
 #include "server/worker.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <malloc.h>
 #include <poll.h>
 #include <stdlib.h>
@@ -18,6 +19,8 @@
  * warm, for the next job.  If none comes for a while, all but KEEP bytes are given back.
  */
 enum { KEEP = 64 << 20, REST_MS = 1000 };
+
+enum { PIECE = 1 << 20 }; /* bytes of a large answer that are there twice */
 
 struct worker {
 	const struct srv_config *config;
@@ -108,6 +111,34 @@ static bool feed_ring(struct worker *w, struct api_job *job)
 	}
 }
 
+/*
+ * Give the whole pages of what lies between the two back to the system, though it stays allocated:
+ * nobody reads it any more.
+ */
+static void drop_pages(char *from, const char *to)
+{
+	size_t page = (size_t)sysconf(_SC_PAGESIZE);
+	size_t skip = (page - (uintptr_t)from % page) % page, len = (size_t)(to - from);
+
+	if (len >= skip + page)
+		(void)madvise(from + skip, (len - skip) / page * page, MADV_DONTNEED);
+}
+
+/* Moves the answer into the file piece by piece, so that there is never all of it twice. */
+static int move_all(int fd, char *bytes, size_t len)
+{
+	while (len > 0) {
+		size_t piece = len < PIECE ? len : PIECE;
+
+		if (srv_write_all(fd, bytes, piece) != 0)
+			return -1;
+		drop_pages(bytes, bytes + piece);
+		bytes += piece;
+		len -= piece;
+	}
+	return fcntl(fd, F_ADD_SEALS, SRV_ANSWER_SEALS);
+}
+
 static void copy_text(char *to, size_t size, const char *from)
 {
 	size_t n = strnlen(from, size - 1);
@@ -137,8 +168,8 @@ static int place_answer(struct worker *w, const struct api_answer *a)
 	if (a->len <= SRV_ANSWER) {
 		memcpy(w->segment->answer, a->body, a->len);
 	} else {
-		fd = memfd_create("answer", MFD_CLOEXEC);
-		if (fd < 0 || srv_write_all(fd, a->body, a->len) != 0)
+		fd = memfd_create("answer", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+		if (fd < 0 || move_all(fd, a->body, a->len) != 0)
 			_exit(SRV_EXIT_NO_MEMORY); /* the front answers for us */
 	}
 	return fd;

@@ -89,6 +89,32 @@ static int do_kill(void)
 	return kill(getppid(), 0) != 0 && errno == EPERM ? HELD : BROKEN;
 }
 
+/* abort() signals itself: nobody else may be meant by that call. */
+static int do_signal_a_thread(void)
+{
+	pid_t other = getppid();
+
+	return syscall(SYS_tgkill, other, other, 0) != 0 && errno == EPERM ? HELD : BROKEN;
+}
+
+/* RLIMIT_DATA does not count what is shared. */
+static int do_map_shared(void)
+{
+	void *p = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+
+	return p == MAP_FAILED && errno == EPERM ? HELD : BROKEN;
+}
+
+static int do_seal(void)
+{
+	int fd = memfd_create("answer", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+
+	return fcntl(fd, F_ADD_SEALS, F_SEAL_WRITE) == 0 && fcntl(fd, F_DUPFD, 0) < 0 &&
+		       errno == EPERM
+		   ? HELD
+		   : BROKEN;
+}
+
 /* What a worker lives by. */
 static int do_work(void)
 {
@@ -144,7 +170,9 @@ static void a_worker_opens_and_signals_nothing(void **state)
 	holds(SRV_SANDBOX_WORKER, do_open);
 	holds(SRV_SANDBOX_WORKER, do_write_file);
 	holds(SRV_SANDBOX_WORKER, do_kill);
+	holds(SRV_SANDBOX_WORKER, do_signal_a_thread);
 	holds(SRV_SANDBOX_WORKER, do_map_code);
+	holds(SRV_SANDBOX_WORKER, do_map_shared);
 }
 
 static void a_worker_still_works(void **state)
@@ -155,6 +183,7 @@ static void a_worker_still_works(void **state)
 	if (SANITIZED)
 		skip();
 	holds(SRV_SANDBOX_WORKER, do_work);
+	holds(SRV_SANDBOX_WORKER, do_seal);
 	status = in_child(SRV_SANDBOX_WORKER, do_abort);
 	assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT);
 }
@@ -169,6 +198,7 @@ static void the_front_executes_forks_and_opens_nothing_either(void **state)
 	dies(SRV_SANDBOX_FRONT, do_socket);
 	holds(SRV_SANDBOX_FRONT, do_open);
 	holds(SRV_SANDBOX_FRONT, do_kill);
+	holds(SRV_SANDBOX_FRONT, do_signal_a_thread);
 }
 
 int main(void)
