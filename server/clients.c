@@ -41,8 +41,12 @@ int srv_clients_init(struct srv_clients *c, struct srv_front *front)
 		return -1;
 	c->entries = limit.rlim_cur > 65536 ? 65536 : (int)limit.rlim_cur;
 	c->most = most_connections(front, c->entries);
+	if (c->most <= 0) {
+		errno = EMFILE;
+		return -1;
+	}
 	c->client = calloc((size_t)c->entries, sizeof *c->client);
-	return c->client != NULL && c->most > 0 ? 0 : -1;
+	return c->client != NULL ? 0 : -1;
 }
 
 void srv_clients_free(struct srv_clients *c)

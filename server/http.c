@@ -342,7 +342,8 @@ struct srv_http *srv_http_start(struct srv_front *front)
 		    MHD_OPTION_URI_LOG_CALLBACK, on_uri, h, MHD_OPTION_NOTIFY_COMPLETED,
 		    on_completed, h, MHD_OPTION_NOTIFY_CONNECTION, on_connection, h,
 		    MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)SRV_CONNECTION_BYTES,
-		    MHD_OPTION_CONNECTION_LIMIT, (unsigned)h->clients.most + SRV_INSIDE_RESERVE, MHD_OPTION_END);
+		    MHD_OPTION_CONNECTION_LIMIT, (unsigned)h->clients.most + SRV_INSIDE_RESERVE,
+		    MHD_OPTION_END);
 	if (h->daemon == NULL) {
 		srv_clients_free(&h->clients);
 		free(h);

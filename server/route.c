@@ -94,6 +94,7 @@ static void readyz(struct srv_exchange *ex)
 			       : there == 0 ? "starting"
 					    : "ready");
 	say_text(ex, f->draining || there == 0 ? 503 : 200, text);
+	ex->reply.retry_after = f->draining || there == 0;
 }
 
 static void metrics(struct srv_exchange *ex)

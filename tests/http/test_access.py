@@ -145,4 +145,13 @@ with tempfile.TemporaryDirectory() as folder:
         check("no mesh is taken there", a.status == 404, a)
         check("/metrics has left the other one", d.get("/metrics", *bearer("the-key")).status == 404)
         check("which works", d.post(PART, *bearer("the-key")).status == 200)
+    with Daemon("--metrics-listen", "127.0.0.1:0", "--memory", "64MB", "--workers", "1") as d:
+        base = d.process.stdout.readline().decode().strip().removesuffix("/metrics")
+        crowd = [d.connect() for _ in range(300)]
+        turned_away = d.raw(b"GET /livez HTTP/1.1\r\nHost: x\r\n\r\n")
+        a = curl(base + "/livez")
+        check("who looks after the service is heard in any crowd",
+              b" 503 " in turned_away and a.status == 200, f"{turned_away} {a}")
+        for s in crowd:
+            s.close()
 finish()

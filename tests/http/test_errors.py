@@ -193,8 +193,8 @@ def test_draining():
                 return not (got := probe.one()) or got.status == 503
             check("readyz turns 503 at once", until(unready, 5))
         a = d.get("/readyz")
-        check("while new connections are still served", a.status == 503 and a.body == b"draining\n",
-              a)
+        check("while new connections are still served", a.status == 503 and a.body == b"draining\n"
+              and a.headers.get("retry-after") == "1", a)
         late = Wire(d.port)  # its head comes when no new work is taken any more
         late.send(b"POST /v1/mass-properties HTTP/1.1\r\nHost: x\r\n")
         time.sleep(0.8)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """What a worker does with memory between jobs."""
+import re
 import struct
 
 from family import *
@@ -9,6 +10,22 @@ from wire import *
 FACETS = stl(box((0, 0, 0), (40, 30, 20)))[84:]
 COPIES = 200000
 MEGABYTE = 1 << 20
+SANITIZED = b"__asan_init" in open(PROGRAM, "rb").read()
+
+
+def limit(pid, what):
+    with open(f"/proc/{pid}/limits", encoding="ascii") as f:
+        return next(re.split(r"  +", line)[1] for line in f if line.startswith(what))
+
+
+def test_limits_of_workers():
+    """Files in memory are none of the data that RLIMIT_DATA counts."""
+    with Daemon("--workers", "1", "--memory", "128MB") as d:
+        for worker, most in zip(workers(d.pid), (80_000_000, 16_000_000)):
+            seen = [int(limit(worker, w)) for w in ("Max data size", "Max file size")]
+            check("a worker has its share of the memory, for files too", seen == [most, most], seen)
+            count = int(limit(worker, "Max open files"))
+            check("and few descriptors", count <= 64, count)
 
 
 def memory(pid, what):
@@ -30,4 +47,6 @@ def test_a_large_job_leaves_no_large_worker(d):
 
 with Daemon("--workers", "1") as daemon:
     test_a_large_job_leaves_no_large_worker(daemon)
+if not SANITIZED:  # their runtime needs more than any limit
+    test_limits_of_workers()
 finish()
