@@ -1,5 +1,6 @@
 """The contract: served as it stands, valid OpenAPI 3.1 (a validator from npm), and true of what the
 service has.  That every answer fits its schemas is checked by the harness in every test file."""
+import json
 import os
 import re
 import subprocess
@@ -61,6 +62,20 @@ def check_true_of(d):
     check("its formats are those read", set(capable["formats"]) <= set(formats), formats)
 
 
+def check_readme(d):
+    """The report in the README is one that the program gives."""
+    with open(os.path.join(schema.ROOT, "README.md"), encoding="utf-8") as f:
+        shown = json.loads(re.search(r"```json\n(\{.*?\n\})\n```", f.read(), re.S)[1])
+    a = d.post(stl(box((0, 0, 0), (1, 2, 3))), query="unit=mm&density=1")
+
+    def members(x, where=""):
+        return {where + "." + k for k in x} | {m for k, v in x.items() if isinstance(v, dict)
+                                               for m in members(v, where + "." + k)}
+
+    check("the README shows the report as it is", members(shown) == members(a.json),
+          members(shown) ^ members(a.json))
+
+
 def check_notices(d):
     """The check in the harness can fail."""
     a = d.post(stl(box((0, 0, 0), (1, 2, 3))), query="unit=mm")
@@ -84,6 +99,7 @@ def check_codes():
 with Daemon() as daemon:
     check_valid()
     check_true_of(daemon)
+    check_readme(daemon)
     check_notices(daemon)
     check_codes()
 finish()
