@@ -281,7 +281,7 @@ int mp_junctions_find(const struct mp_loop_lister *s, struct mp_topology *out)
 	int failed = -1;
 
 	f.count = collect(&f);
-	f.half = malloc((f.count + 1) * sizeof *f.half);
+	f.half = calloc(f.count + 1, sizeof *f.half);
 	f.parent = malloc((f.count + 1) * sizeof *f.parent);
 	f.key = malloc((2 * f.count + 1) * sizeof *f.key);
 	room = malloc((3 * f.count + 1) * sizeof *room);
