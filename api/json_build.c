@@ -8,24 +8,41 @@
 #include "api/json_number.h"
 #include "api/utf8.h"
 
+static bool grow(struct api_text *t, size_t len)
+{
+	size_t cap = t->cap < 1024 ? 1024 : t->cap;
+	char *p;
+
+	while (cap - t->len <= len && cap <= SIZE_MAX / 2)
+		cap *= 2;
+	p = cap - t->len > len ? realloc(t->text, cap) : NULL;
+	if (p == NULL) {
+		t->failed = true;
+		return false;
+	}
+	t->text = p;
+	t->cap = cap;
+	return true;
+}
+
+/* Room for ${len} bytes and the NUL behind them? */
+static inline bool has_room(struct api_text *t, size_t len)
+{
+	return !t->failed && (len < t->cap - t->len || grow(t, len));
+}
+
+static inline void put_char(struct api_text *t, char c)
+{
+	if (!has_room(t, 1))
+		return;
+	t->text[t->len++] = c;
+	t->text[t->len] = '\0';
+}
+
 void api_text_put(struct api_text *t, const char *bytes, size_t len)
 {
-	if (t->failed)
+	if (!has_room(t, len))
 		return;
-	if (len >= t->cap - t->len || t->text == NULL) { /* one byte is the NUL's */
-		size_t cap = t->cap < 1024 ? 1024 : t->cap;
-		char *p;
-
-		while (cap - t->len <= len && cap <= SIZE_MAX / 2)
-			cap *= 2;
-		p = cap - t->len > len ? realloc(t->text, cap) : NULL;
-		if (p == NULL) {
-			t->failed = true;
-			return;
-		}
-		t->text = p;
-		t->cap = cap;
-	}
 	memcpy(t->text + t->len, bytes, len);
 	t->len += len;
 	t->text[t->len] = '\0';
@@ -38,9 +55,8 @@ void api_text_say(struct api_text *t, const char *words)
 
 void api_text_number(struct api_text *t, double x)
 {
-	char buf[API_NUMBER_SIZE];
-
-	api_text_put(t, buf, api_json_number(buf, x));
+	if (has_room(t, API_NUMBER_SIZE))
+		t->len += api_json_number(t->text + t->len, x);
 }
 
 void api_text_count(struct api_text *t, uint64_t n)
@@ -72,9 +88,9 @@ void api_text_string(struct api_text *t, const char *bytes, size_t len)
 	char *clean;
 
 	if (is_plain(bytes, len)) {
-		api_text_put(t, "\"", 1);
+		put_char(t, '"');
 		api_text_put(t, bytes, len);
-		api_text_put(t, "\"", 1);
+		put_char(t, '"');
 		return;
 	}
 	clean = api_utf8_dup(bytes, len);
@@ -82,18 +98,18 @@ void api_text_string(struct api_text *t, const char *bytes, size_t len)
 		t->failed = true;
 		return;
 	}
-	api_text_put(t, "\"", 1);
+	put_char(t, '"');
 	for (const char *p = clean; *p != '\0';) { /* no control characters are left */
 		size_t run = strcspn(p, "\"\\");
 
 		api_text_put(t, p, run);
 		p += run;
 		if (*p != '\0') {
-			api_text_put(t, "\\", 1);
+			put_char(t, '\\');
 			api_text_put(t, p++, 1);
 		}
 	}
-	api_text_put(t, "\"", 1);
+	put_char(t, '"');
 	free(clean);
 }
 
@@ -112,10 +128,10 @@ void api_text_vector(struct api_text *t, const double *x, size_t count)
 		return;
 	}
 	for (size_t i = 0; i < count; i++) {
-		api_text_put(t, i > 0 ? "," : "[", 1);
+		put_char(t, i > 0 ? ',' : '[');
 		api_text_number(t, x[i]);
 	}
-	api_text_put(t, "]", 1);
+	put_char(t, ']');
 }
 
 void api_text_matrix(struct api_text *t, const double m[3][3])
@@ -125,10 +141,10 @@ void api_text_matrix(struct api_text *t, const double m[3][3])
 		return;
 	}
 	for (size_t i = 0; i < 3; i++) {
-		api_text_put(t, i > 0 ? "," : "[", 1);
+		put_char(t, i > 0 ? ',' : '[');
 		api_text_vector(t, m[i], 3);
 	}
-	api_text_put(t, "]", 1);
+	put_char(t, ']');
 }
 
 /* The text becomes a node: cJSON_CreateRaw() would copy, and a report's lists may hold 100 MB. */
@@ -154,7 +170,7 @@ static void add_node(struct api_json *j, const char *name, struct api_text *t)
 static void close_to(struct api_json *j, unsigned depth)
 {
 	for (; j->depth > depth; j->depth--)
-		api_text_put(&j->text, "}", 1);
+		put_char(&j->text, '}');
 }
 
 static void end_member(struct api_json *j)
@@ -188,8 +204,8 @@ static struct api_text *begin(struct api_json *j, const cJSON *parent, const cha
 	}
 	close_to(j, depth + 1);
 	if (j->text.len > 0 && j->text.text[j->text.len - 1] != '{')
-		api_text_put(&j->text, ",", 1);
-	api_text_put(&j->text, "\"", 1);
+		put_char(&j->text, ',');
+	put_char(&j->text, '"');
 	api_text_say(&j->text, name);
 	api_text_put(&j->text, "\":", 2);
 	return &j->text;
@@ -203,7 +219,7 @@ cJSON *api_json_object(struct api_json *j, cJSON *parent, const char *name)
 		j->failed = true;
 		return NULL;
 	}
-	api_text_put(t, "{", 1);
+	put_char(t, '{');
 	return &j->open[j->depth++];
 }
 
@@ -246,7 +262,7 @@ void api_json_signed(struct api_json *j, cJSON *parent, const char *name, int64_
 	if (t == NULL)
 		return;
 	if (n < 0)
-		api_text_put(t, "-", 1);
+		put_char(t, '-');
 	api_text_count(t, n < 0 ? -(uint64_t)n : (uint64_t)n);
 }
 

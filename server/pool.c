@@ -185,7 +185,7 @@ void srv_pool_hear(struct srv_pool *p, unsigned slot)
 			break;
 		if (byte == SRV_MSG_ANSWER && w->state != SRV_IDLE) {
 			answered(p, w, fd);
-			continue;
+			break; /* it says nothing more until it is told to */
 		}
 		if (fd >= 0)
 			close(fd);
