@@ -14,7 +14,7 @@
 #include "server/clock.h"
 #include "server/front_private.h"
 
-enum { ACCEPT_BURST = 64, LEAST_CONNECTIONS = 256, MOST_CONNECTIONS = 4096 };
+enum { ACCEPT_BURST = 64, LEAST_CONNECTIONS = 32, MOST_CONNECTIONS = 4096 };
 
 static const double keep_alive_s = 75; /* between two requests of a connection */
 static const double fin_grace_s = 1;   /* what a half-closed client sent may still be on its way */

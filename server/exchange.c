@@ -21,6 +21,9 @@ static const uint64_t discard_bytes = 64
 				      << 20; /* behind a verdict, before the connection is closed */
 static const double discard_s = 10;
 
+/* No path that is served is longer than the rest of this, and no query than is taken. */
+enum { URI_MAX = SRV_QUERY_MAX + 4096 };
+
 /* "/path?query", or the same behind "http://host" (absolute form, RFC 9112 3.2.2). */
 static void split_uri(struct srv_exchange *ex)
 {
@@ -47,7 +50,7 @@ struct srv_exchange *srv_exchange_new(struct srv_front *front, const char *uri)
 
 	if (ex == NULL)
 		return NULL;
-	ex->uri = strdup(uri);
+	ex->uri = strndup(uri, URI_MAX);
 	if (ex->uri == NULL) {
 		free(ex);
 		return NULL;

@@ -88,7 +88,7 @@ struct srv_exchange {
 	bool has_result;
 };
 
-/* ${uri} is copied. NULL: out of memory. */
+/* The beginning of ${uri} is copied. NULL: out of memory. */
 struct srv_exchange *srv_exchange_new(struct srv_front *, const char *uri);
 
 /* The head is there: decide what can be decided.  answered is set where a verdict is known. */

@@ -13,6 +13,7 @@ from wire import *
 FILE = stl(box((0, 0, 0), (40, 30, 20)))
 CHUNKED = b"POST /v1/mass-properties HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
 MIB = 1 << 20
+SANITIZED = b"__asan_init" in open(PROGRAM, "rb").read()
 
 
 def in_flight(d):
@@ -184,6 +185,31 @@ def test_a_limit_of_connections():
                                                and a.status == 200, 5))
 
 
+def resident(pid):
+    with open(f"/proc/{pid}/status", encoding="ascii") as f:
+        return next(1024 * int(line.split()[1]) for line in f if line.startswith("VmRSS"))
+
+
+def test_long_heads():
+    """Half of the 16 MB for waiting bodies may go to heads that do not end."""
+    with Daemon("--workers", "1", "--memory", "64MB") as d:
+        for _ in range(3):  # what the first requests take once
+            d.get("/livez")
+        before, held = resident(front(d.pid)), []
+        for _ in range(250):
+            held.append(Wire(d.port))
+            held[-1].send(b"GET /livez?" + b"a" * 60000 + b" HTTP/1.1\r\nHost: x\r\nX: "
+                          + b"b" * 50000)
+        grown = []
+        until(lambda: grown.append(resident(front(d.pid)) - before), 1)
+        check("heads without end stay within their share", SANITIZED or max(grown) < 12 << 20,
+              max(grown))
+        for w in held:
+            w.socket.close()
+        check("and are forgotten", until(lambda: (a := ask(d.port, request()))
+                                         and a.status == 200, 5))
+
+
 with Daemon("--workers", "1", "--log-format", "json") as daemon:
     test_log(daemon)
     test_leaving_early(daemon)
@@ -195,4 +221,5 @@ test_log_that_nobody_reads()
 test_dead_workers_get_no_work()
 test_answers_that_nobody_reads()
 test_a_limit_of_connections()
+test_long_heads()
 finish()
