@@ -18,6 +18,7 @@ enum {
 	GZIP_ONLY = 16 + MAX_WBITS, /* inflateInit2: gzip's frame, neither zlib's nor none */
 	WINDOW_LOG = 27,            /* what zstd --long and --ultra make; the library's own limit */
 	ZSTD_MAGIC = 4,
+	ZSTD_HEADER = 18, /* of a frame, at most */
 	ZSTD_BLOCK_HEADER = 3
 };
 
@@ -35,6 +36,7 @@ struct api_coding {
 	size_t hint;  /* what libzstd wants next */
 	size_t slice; /* bytes left of what it may get at once */
 	uint64_t slice_at;
+	uint64_t frame_at;
 	uint8_t magic[ZSTD_MAGIC];
 	size_t magic_len;
 	uint8_t piece[]; /* PIECE bytes, none for identity */
@@ -120,10 +122,11 @@ struct api_coding *api_coding_new(enum api_coding_kind kind, uint64_t most,
 				  const struct api_sink *sink)
 {
 	size_t room = kind == API_CODING_IDENTITY ? 0 : PIECE;
-	struct api_coding *c = calloc(1, sizeof *c + room);
+	struct api_coding *c = malloc(sizeof *c + room);
 
 	if (c == NULL)
 		return NULL;
+	memset(c, 0, sizeof *c);
 	c->kind = kind;
 	c->most = most;
 	c->sink = *sink;
@@ -236,10 +239,18 @@ static int zstd_error(const struct api_coding *c, size_t rc, struct api_problem 
 	}
 }
 
+static size_t slice_size(const struct api_coding *c)
+{
+	if (c->at - c->frame_at < ZSTD_HEADER || c->hint <= ZSTD_BLOCK_HEADER)
+		return 1;
+	return c->hint - ZSTD_BLOCK_HEADER;
+}
+
 /*
  * ${len} > 0 bytes within a frame.  libzstd forgets what it has put out in a call that ends in an
  * error, so that no call gets more than one slice, a header or a block or less: the hint counts the
- * next block's header too.  Where a slice ends does not hang on where a chunk does.
+ * next block's header too.  Where a slice ends does not hang on where a chunk does.  The frame's
+ * header goes in byte by byte: what libzstd finds wrong with one hangs on how much of it is there.
  */
 static int unpack(struct api_coding *c, const uint8_t *bytes, size_t len, struct api_problem *p)
 {
@@ -251,7 +262,7 @@ static int unpack(struct api_coding *c, const uint8_t *bytes, size_t len, struct
 		size_t rc;
 
 		if (c->slice == 0 && !full) {
-			c->slice = c->hint > ZSTD_BLOCK_HEADER ? c->hint - ZSTD_BLOCK_HEADER : 1;
+			c->slice = slice_size(c);
 			c->slice_at = c->at;
 		}
 		if (!full) /* what is left of a block comes out first */
@@ -309,7 +320,7 @@ static int push_zstd(struct api_coding *c, const uint8_t *bytes, size_t len, str
 		c->begun = true;
 		c->place = INSIDE;
 		c->slice = ZSTD_MAGIC;
-		c->slice_at = c->at -= ZSTD_MAGIC; /* unpack() counts them */
+		c->frame_at = c->slice_at = c->at -= ZSTD_MAGIC; /* unpack() counts them */
 		if (unpack(c, c->magic, ZSTD_MAGIC, p))
 			return -1;
 	}

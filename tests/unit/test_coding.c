@@ -393,6 +393,22 @@ static void zstd_windows_are_bounded(void **state)
 }
 
 /* Every proper prefix is refused, unless it ends between members, with its length. */
+/* libzstd words what is wrong with it by how much of it came at once. */
+static void a_bad_zstd_frame_header_is_judged_alike_in_any_pieces(void **state)
+{
+	static const uint8_t frame[] = {0x28, 0xb5, 0x2f, 0xfd, 0x93, 0xff, 0x25, 0xb5, 0x2f, 0xfd,
+					0x93, 0x0c, 0x5c, 0x0c, 0x5c, 0x04, 0xff, 0xb5, 0x2f, 0xfd,
+					0x93, 0x0c, 0x5c, 0x04, 0xff, 0xff, 0xff, 0xa9};
+
+	(void)state;
+	decode(&whole, API_CODING_ZSTD, ROOM, frame, sizeof frame, sizeof frame, 1);
+	assert_int_equal(whole.problem.code, API_BAD_ENCODING);
+	for (size_t step = 1; step < sizeof frame; step++) {
+		decode(&split, API_CODING_ZSTD, ROOM, frame, sizeof frame, step, step);
+		assert_same();
+	}
+}
+
 static void every_prefix_is_cut_off(void **state)
 {
 	(void)state;
@@ -582,6 +598,7 @@ int main(void)
 	    cmocka_unit_test(zstd_frames_are_one_file),
 	    cmocka_unit_test(what_is_no_zstd_is_refused),
 	    cmocka_unit_test(zstd_windows_are_bounded),
+	    cmocka_unit_test(a_bad_zstd_frame_header_is_judged_alike_in_any_pieces),
 	    cmocka_unit_test(every_prefix_is_cut_off),
 	    cmocka_unit_test(nothing_is_held_back),
 	    cmocka_unit_test(damage_shows_alike_in_any_pieces),
