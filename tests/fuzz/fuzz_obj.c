@@ -5,25 +5,19 @@
 #include <math.h>
 
 #include "../unit/obj_seen.h"
+#include "cut.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	static struct seen whole, other;
-	uint64_t most, dice, first, step;
+	const uint64_t dice = cut_dice(data, size);
+	const uint64_t most = (dice >> 48) % 32 == 0 ? 3 : 100000;
+	const struct cut cut = cut_of(dice, size);
 
-	other.hash = 0;
-	seen_hash(&other, data, size);
-	dice = other.hash >> 8;
-	first = dice % 100;
-	step = 1 + (dice >> 16) % 40;
-	most = (dice >> 32) % 32 == 0 ? 3 : 100000;
 	seen_decode(&whole, data, size, SIZE_MAX, SIZE_MAX, most);
-	seen_decode(&other, data, size, first, step, most);
-	if (!seen_same(&whole, &other))
-		abort();
-	seen_decode(&other, data, size, 1, 1, most);
+	seen_decode(&other, data, size, cut.first, cut.step, most);
 	if (!seen_same(&whole, &other))
 		abort();
 	for (uint64_t i = 0; i < whole.count && i < SEEN_TRIANGLES; i++)

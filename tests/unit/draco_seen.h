@@ -171,7 +171,9 @@ static inline void draco_decode(struct draco_seen *s, const uint8_t *bytes, size
 	bool fail_indices = s->fail_indices;
 	void *state = NULL;
 
-	memset(s, 0, sizeof *s);
+	memset(s, 0,
+	       offsetof(struct draco_seen, tri)); /* the triangles beyond count are nobody's */
+	memset(&s->count, 0, sizeof *s - offsetof(struct draco_seen, count));
 	s->fail_at = fail_at;
 	s->fail_indices = fail_indices;
 	s->ret = mp_draco_decoder.begin(&state, &sink, &limits, &s->notes, &s->err);
@@ -201,15 +203,18 @@ static inline void draco_decode(struct draco_seen *s, const uint8_t *bytes, size
 /* Where a chunk ends never matters, not even for the wording of an error. */
 static inline bool draco_same(const struct draco_seen *a, const struct draco_seen *b)
 {
+	size_t kept;
+
 	if (a->wrong || b->wrong || a->ret != b->ret || a->count != b->count)
 		return false;
 	if (a->ret != 0)
 		return a->err.code == b->err.code && a->err.byte == b->err.byte &&
 		       a->err.limit == b->err.limit && a->err.actual == b->err.actual &&
 		       strcmp(a->err.text, b->err.text) == 0;
+	kept = a->count < DRACO_SEEN ? a->count : DRACO_SEEN;
 	return memcmp(&a->notes, &b->notes, sizeof a->notes) == 0 &&
-	       memcmp(a->tri, b->tri, sizeof a->tri) == 0 &&
-	       memcmp(a->index, b->index, sizeof a->index) == 0;
+	       memcmp(a->tri, b->tri, kept * sizeof a->tri[0]) == 0 &&
+	       memcmp(a->index, b->index, kept * sizeof a->index[0]) == 0;
 }
 
 #endif

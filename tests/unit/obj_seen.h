@@ -119,7 +119,8 @@ static inline void seen_decode(struct seen *s, const void *bytes, size_t len, si
 	size_t at = 0, n = first;
 	void *state = NULL;
 
-	memset(s, 0, sizeof *s);
+	memset(s, 0, offsetof(struct seen, tri)); /* the triangles beyond count are nobody's */
+	memset(&s->count, 0, sizeof *s - offsetof(struct seen, count));
 	s->fail_at = fail_at;
 	s->ret = mp_obj_decoder.begin(&state, &sink, &limits, &s->notes, &s->err);
 	while (s->ret == 0 && at < len) {
