@@ -83,14 +83,14 @@ static int allow_mapping(scmp_filter_ctx ctx)
 static int allow_abort(scmp_filter_ctx ctx)
 {
 	return seccomp_rule_add(ctx, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
-				SCMP_A0(SCMP_CMP_EQ, (scmp_datum_t)getpid()));
+				SCMP_A0(SCMP_CMP_EQ, (scmp_datum_t)getpid(), 0));
 }
 
 /* A worker seals its answers. */
 static int allow_sealing(scmp_filter_ctx ctx)
 {
 	int rc = seccomp_rule_add(ctx, SCMP_ACT_ALLOW, SCMP_SYS(fcntl), 1,
-				  SCMP_A1(SCMP_CMP_EQ, F_ADD_SEALS));
+				  SCMP_A1(SCMP_CMP_EQ, F_ADD_SEALS, 0));
 
 	return rc == -EDOM || rc == -EINVAL ? 0 : rc;
 }
