@@ -74,21 +74,49 @@ static void set_frame(struct frame *f, const struct mp_rounded_solid *s)
 	set_turn(f, s->map);
 }
 
-/* q of the corners, each behind a 0, so that q and what is made of it fit the rows. */
-static inline void find_corners(const struct frame *f, const uint32_t v[3], double q[3][ROWS])
-{
-	double xyz[3][3];
+#define INLINE static inline __attribute__((always_inline))
 
-	mp_vertices_corners(f->solid->mesh->vertices, v, xyz);
+/* Where the coordinates are: floats, or doubles where that is NULL. */
+struct points {
+	const float *narrow;
+	const double *wide;
+};
+
+static struct points points_of(const struct frame *f)
+{
+	struct points p;
+
+	mp_vertices_all(f->solid->mesh->vertices, &p.narrow, &p.wide);
+	return p;
+}
+
+/* q of the corners, each behind a 0, so that q and what is made of it fit the rows. */
+INLINE void find_corners(const struct frame *f, struct points p, const uint32_t v[3],
+			 double q[3][ROWS])
+{
 	for (int c = 0; c < 3; c++) {
+		size_t at = (size_t)3 * v[c];
+
 		q[c][0] = 0;
-		for (int k = 0; k < 3; k++)
-			q[c][1 + k] = (xyz[c][k] - f->centre[k]) * f->scale[k];
+		for (size_t k = 0; k < 3; k++) {
+			double x = p.narrow != NULL ? (double)p.narrow[at + k] : p.wide[at + k];
+
+			q[c][1 + k] = (x - f->centre[k]) * f->scale[k];
+		}
 	}
 }
 
+INLINE void prefetch_corners(struct points p, const uint32_t v[3])
+{
+	for (int c = 0; c < 3; c++)
+		if (p.narrow != NULL)
+			__builtin_prefetch(p.narrow + (size_t)3 * v[c]);
+		else
+			__builtin_prefetch(p.wide + (size_t)3 * v[c]);
+}
+
 /* Twice the area vector of a triangle. */
-static inline void normal(double (*q)[ROWS], float n[3])
+INLINE void normal(double (*q)[ROWS], float n[3])
 {
 	double e[3], f[3];
 
@@ -102,7 +130,7 @@ static inline void normal(double (*q)[ROWS], float n[3])
 }
 
 /* The rows of the derivatives by n_k, for each corner. */
-static inline void find_rows(const struct frame *f, double (*q)[ROWS], rows out[3])
+INLINE void find_rows(const struct frame *f, double (*q)[ROWS], rows out[3])
 {
 	rows s = {0};
 
@@ -123,19 +151,20 @@ static inline void find_rows(const struct frame *f, double (*q)[ROWS], rows out[
 	}
 }
 
-static inline void find_triangle(const struct frame *f, uint32_t t, float n[3], rows w[3])
+INLINE void find_triangle(const struct frame *f, struct points p, const uint32_t v[3], float n[3],
+			  rows w[3])
 {
 	double q[3][ROWS];
 
-	find_corners(f, f->solid->mesh->tri[t], q);
+	find_corners(f, p, v, q);
 	normal(q, n);
 	find_rows(f, q, w);
 }
 
-/* sums: 3 of each vertex, one for each coordinate. */
-static void add_all(const struct frame *f, rows *sums)
+INLINE void add_triangles(const struct frame *frame, struct points p, rows *restrict sums)
 {
-	const struct mp_mesh *m = f->solid->mesh;
+	const struct mp_mesh *m = frame->solid->mesh;
+	const struct frame f = *frame; /* where no store can reach it */
 
 	for (uint32_t t = 0; t < m->triangles; t++) {
 		const uint32_t *v = m->tri[t],
@@ -143,26 +172,41 @@ static void add_all(const struct frame *f, rows *sums)
 		float n[3];
 		rows w[3];
 
-		mp_vertices_prefetch_corners(m->vertices, next);
+		prefetch_corners(p, next);
 		for (int c = 0; c < 3; c++)
 			__builtin_prefetch(sums + (size_t)3 * next[c], 1);
-		find_triangle(f, t, n, w);
-		for (int c = 0; c < 3; c++)
+		find_triangle(&f, p, v, n, w);
+		for (int c = 0; c < 3; c++) {
+			rows *sum = sums + (size_t)3 * v[c];
+
 			for (int k = 0; k < 3; k++)
-				sums[(size_t)3 * v[c] + (size_t)k] += n[k] * w[c];
+				sum[k] += n[k] * w[c];
+		}
 	}
+}
+
+/* sums: 3 of each vertex, one for each coordinate. */
+static void add_all(const struct frame *f, rows *sums)
+{
+	struct points p = points_of(f);
+
+	if (p.narrow != NULL)
+		add_triangles(f, (struct points){.narrow = p.narrow}, sums);
+	else
+		add_triangles(f, (struct points){.wide = p.wide}, sums);
 }
 
 /* The same of one row alone. */
 static void add_row(const struct frame *f, int row, float (*sums)[3])
 {
 	const struct mp_mesh *m = f->solid->mesh;
+	const struct points p = points_of(f);
 
 	for (uint32_t t = 0; t < m->triangles; t++) {
 		float n[3];
 		rows w[3];
 
-		find_triangle(f, t, n, w);
+		find_triangle(f, p, m->tri[t], n, w);
 		for (int c = 0; c < 3; c++)
 			for (int k = 0; k < 3; k++)
 				sums[m->tri[t][c]][k] += n[k] * w[c][row];

@@ -343,6 +343,12 @@ void mp_vertices_corners(const struct mp_vertices *v, const uint32_t number[3], 
 		mp_vertices_get(v, number[c], xyz[c]);
 }
 
+void mp_vertices_all(const struct mp_vertices *v, const float **narrow, const double **wide)
+{
+	*narrow = v->wide ? NULL : v->xyz;
+	*wide = v->wide ? v->xyz : NULL;
+}
+
 void mp_vertices_prefetch(const struct mp_vertices *v, uint32_t number)
 {
 	size_t each = 3 * (v->wide ? sizeof(double) : sizeof(float));

@@ -35,6 +35,12 @@ void mp_vertices_get(const struct mp_vertices *, uint32_t number, double xyz[3])
 /* The same of the three corners of a triangle. */
 void mp_vertices_corners(const struct mp_vertices *, const uint32_t number[3], double xyz[3][3]);
 
+/*
+ * All coordinates as they are kept, three a vertex, for loops that look at every one: the floats or
+ * the doubles; the other pointer becomes NULL.  Good until the next add() or seal().
+ */
+void mp_vertices_all(const struct mp_vertices *, const float **narrow, const double **wide);
+
 /* A hint that get() of ${number} will follow soon, for walks in no order; changes nothing. */
 void mp_vertices_prefetch(const struct mp_vertices *, uint32_t number);
 void mp_vertices_prefetch_corners(const struct mp_vertices *, const uint32_t number[3]);

@@ -15,6 +15,7 @@
 #include "core/decoder.h"
 #include "core/exact/exact.h"
 #include "core/moments/moments.h"
+#include "core/moments/uncertainty.h"
 #include "core/topology/edges.h"
 #include "core/topology/topology.h"
 #include "core/topology/vertices.h"
@@ -86,6 +87,7 @@ MEASURED void measured_edges(struct work *w);
 MEASURED void measured_topology(struct work *w);
 MEASURED void measured_bodies(struct work *w);
 MEASURED void measured_exact(struct work *w);
+MEASURED void measured_uncertainty(struct work *w);
 
 void measured_stl(struct work *w)
 {
@@ -169,6 +171,20 @@ void measured_exact(struct work *w)
 	    mp_exact_find(&w->mesh, &w->grid, NULL, w->mesh.triangles, &e, NULL))
 		die("no memory");
 	mp_exact_free(&e);
+}
+
+void measured_uncertainty(struct work *w)
+{
+	const struct mp_moments *m = &w->moments;
+	struct mp_rounded_solid s = {.mesh = &w->mesh, .float32 = true, .volume = 1};
+	struct mp_deviation deviation;
+
+	for (int k = 0; k < 3; k++) {
+		s.min[k] = m->min[k];
+		s.max[k] = m->max[k];
+	}
+	if (mp_uncertainty_find(&s, &deviation, NULL))
+		die("no memory");
 }
 
 /* ---- what they are measured on ---- */
@@ -284,6 +300,9 @@ static const struct stage {
     {"topology-shuffled", "edges and all other topology, shuffled", measured_topology, NULL, 0,
      true, true},
     {"bodies", "bodies and nesting", measured_bodies, NULL, 0, false, true},
+    {"uncertainty", "what rounded coordinates do", measured_uncertainty, NULL, 0, false, true},
+    {"uncertainty-shuffled", "what rounded coordinates do, shuffled", measured_uncertainty, NULL, 0,
+     true, true},
     {"exact", "exact sums, float32", measured_exact, NULL, 0, false, true},
     {"exact-20", "exact sums, multiples of 2^-20", measured_exact, NULL, 20, false, true},
     {"exact-40", "exact sums, multiples of 2^-40", measured_exact, NULL, 40, false, true},
