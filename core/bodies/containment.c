@@ -2,6 +2,9 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "core/sort.h"
 
 /*
  * Inside means a winding number other than 0, by signed crossings of a ray along +x; for a simple
@@ -11,6 +14,9 @@
  * The corners to be judged are put into a k-d tree and the container's triangles searched for them,
  * so many candidates cost little more than one.  A corner on the surface says nothing: its
  * candidate comes again in the next round with 16 times as many, spread over the whole of it.
+ *
+ * Of a body that overlaps the container some corners are inside and some outside.  So that the
+ * order of the file does not decide, corners come in one that their places give.
  */
 enum { PROBES = 65536, MORE = 16 };
 
@@ -22,14 +28,21 @@ struct mp_probe {
 };
 
 int mp_containment_begin(struct mp_containment *c, const struct mp_mesh *mesh, const uint32_t *row,
-			 const uint32_t *list)
+			 uint32_t *list, uint32_t bodies)
 {
+	uint32_t most = 0;
+
+	for (uint32_t b = 0; b < bodies; b++)
+		if (row[b + 1] - row[b] > most)
+			most = row[b + 1] - row[b];
 	c->mesh = mesh;
 	c->row = row;
 	c->list = list;
 	c->probe = malloc(PROBES * sizeof *c->probe);
 	c->tree = malloc(PROBES * sizeof *c->tree);
-	if (c->probe != NULL && c->tree != NULL)
+	c->key = malloc(((size_t)most + 1) * sizeof *c->key);
+	c->arranged = calloc((size_t)bodies / 64 + 1, sizeof *c->arranged);
+	if (c->probe != NULL && c->tree != NULL && c->key != NULL && c->arranged != NULL)
 		return 0;
 	mp_containment_end(c);
 	return -1;
@@ -39,8 +52,12 @@ void mp_containment_end(struct mp_containment *c)
 {
 	free(c->probe);
 	free(c->tree);
+	free(c->key);
+	free(c->arranged);
 	c->probe = NULL;
 	c->tree = NULL;
+	c->key = NULL;
+	c->arranged = NULL;
 }
 
 static uint32_t corners(const struct mp_containment *c, uint32_t body)
@@ -67,9 +84,70 @@ static uint64_t spread(uint32_t n)
 	}
 }
 
-static uint32_t corner_vertex(const struct mp_containment *c, uint32_t body, uint64_t corner)
+/* A number that the three places give, in any order of them. */
+static uint64_t scatter(const double p[3][3])
 {
-	return c->mesh->tri[c->list[c->row[body] + corner / 3]][corner % 3];
+	uint64_t sum = 0;
+
+	for (unsigned i = 0; i < 3; i++) {
+		uint64_t h = 0, x;
+
+		for (unsigned k = 0; k < 3; k++) {
+			double z = p[i][k] + 0.0; /* -0 is 0 */
+
+			memcpy(&x, &z, sizeof x);
+			h = (h ^ x ^ h >> 29) * UINT64_C(0x9e3779b97f4a7c15);
+		}
+		h = (h ^ h >> 32) * UINT64_C(0xd6e8feb86659fd93); /* of splitmix64's kind */
+		sum += h ^ h >> 32;
+	}
+	return sum;
+}
+
+/* The triangles of ${body} in an order that does not depend on that of the file. */
+static void arrange(struct mp_containment *c, uint32_t body)
+{
+	uint64_t bit = UINT64_C(1) << (body % 64);
+	uint32_t *list = c->list + c->row[body], n = c->row[body + 1] - c->row[body];
+	double p[3][3];
+
+	if (c->arranged[body / 64] & bit)
+		return;
+	c->arranged[body / 64] |= bit;
+	for (uint32_t i = 0; i < n; i++) {
+		mp_vertices_corners(c->mesh->vertices, c->mesh->tri[list[i]], p);
+		c->key[i] = scatter((const double(*)[3])p) >> 32 << 32 | list[i];
+	}
+	mp_sort_u64(c->key, n);
+	for (uint32_t i = 0; i < n; i++)
+		list[i] = (uint32_t)c->key[i];
+}
+
+static bool before(const double p[3], const double q[3])
+{
+	for (unsigned k = 0; k < 3; k++)
+		if (p[k] != q[k])
+			return p[k] < q[k];
+	return false;
+}
+
+/* Corner ${corner} of ${body}: of each triangle the smallest place is the first, by x, y, z. */
+static void corner_place(const struct mp_containment *c, uint32_t body, uint64_t corner,
+			 double out[3])
+{
+	const uint32_t *tri = c->mesh->tri[c->list[c->row[body] + corner / 3]];
+	double p[3][3];
+	unsigned want = (unsigned)(corner % 3);
+
+	mp_vertices_corners(c->mesh->vertices, tri, p);
+	for (unsigned i = 0; i < 3; i++) {
+		unsigned rank = 0;
+
+		for (unsigned k = 0; k < 3; k++)
+			rank += before(p[k], p[i]) || (k < i && !before(p[i], p[k]));
+		if (rank == want)
+			memcpy(out, p[i], sizeof p[i]);
+	}
 }
 
 /* Up to ${want} more corners of every pending candidate. */
@@ -84,14 +162,14 @@ static size_t collect(struct mp_containment *c, const struct mp_candidate *who, 
 
 		if (who[i].place != MP_PLACE_PENDING)
 			continue;
+		arrange(c, who[i].body);
 		step = spread(all);
 		for (uint32_t k = 0; k < want && k < left && count < PROBES; k++, count++) {
 			struct mp_probe *q = &c->probe[count];
 			uint64_t corner = (who[i].tried + k) * step % all;
 
 			*q = (struct mp_probe){.candidate = i};
-			mp_vertices_get(c->mesh->vertices, corner_vertex(c, who[i].body, corner),
-					q->p);
+			corner_place(c, who[i].body, corner, q->p);
 			for (unsigned j = 0; j < 3; j++)
 				c->tree[count].p[j] = q->p[j];
 			c->tree[count].id = (uint32_t)count;

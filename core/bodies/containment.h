@@ -23,16 +23,21 @@ struct mp_probe; /* one corner of a candidate */
 
 struct mp_containment {
 	const struct mp_mesh *mesh;
-	const uint32_t *row;  /* the triangles of body b: list[row[b] .. row[b + 1]) */
-	const uint32_t *list; /* ascending */
+	const uint32_t *row; /* the triangles of body b: list[row[b] .. row[b + 1]) */
+	uint32_t *list;
+	uint64_t *arranged; /* a bit for each body whose triangles are in order */
+	uint64_t *key;      /* to put them there */
 	struct mp_probe *probe;
 	struct mp_kd_point *tree;
 	uint64_t steps; /* what is left of the work limit: the caller's to set */
 };
 
-/* -1: memory is out, and nothing to end.  ${row} and ${list} are kept by pointer. */
+/*
+ * -1: memory is out, and nothing to end.  ${row} and ${list} are kept by pointer; the triangles of
+ * each body are then put into another order.
+ */
 int mp_containment_begin(struct mp_containment *, const struct mp_mesh *, const uint32_t *row,
-			 const uint32_t *list);
+			 uint32_t *list, uint32_t bodies);
 void mp_containment_end(struct mp_containment *); /* legal on a zeroed struct */
 
 /* Fill place of ${n} candidates (body given, the rest zero); -1: the work limit was reached. */

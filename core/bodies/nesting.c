@@ -9,13 +9,21 @@ struct pair {
 	uint32_t inner, outer;
 };
 
+/* What take_candidate() reads of many bodies, in the order in which it does: no cache could help.
+ */
+struct upper {
+	double max[3];
+	uint32_t body;
+};
+
 struct nester {
 	const struct mp_mesh *mesh;
 	const struct mp_topology *topology;
 	const struct mp_box *box;
 	struct mp_nest *out;
 	uint32_t container;      /* the one whose candidates are collected */
-	struct mp_kd_point *low; /* lower corners of all boxes, as a k-d tree */
+	struct mp_kd_point *low; /* lower corners of all boxes, as a k-d tree; id: place in it */
+	struct upper *upper;     /* of the boxes in the order of the tree */
 	struct mp_candidate *candidate;
 	size_t candidates, candidate_room;
 	struct pair *pair; /* inner lies inside outer */
@@ -54,20 +62,21 @@ static void *room_for_one(struct nester *s, void *p, size_t count, size_t *room,
 }
 
 /* Its lower corner is in the container's box: a candidate if the upper one is. */
-static int take_candidate(void *self, uint32_t body)
+static int take_candidate(void *self, uint32_t place)
 {
 	struct nester *s = self;
-	const struct mp_box *outer = &s->box[s->container], *inner = &s->box[body];
+	const struct mp_box *outer = &s->box[s->container];
+	const struct upper *inner = &s->upper[place];
 	struct mp_candidate *grown;
 
-	if (body == s->container || inner->max[0] > outer->max[0] ||
+	if (inner->body == s->container || inner->max[0] > outer->max[0] ||
 	    inner->max[1] > outer->max[1] || inner->max[2] > outer->max[2])
 		return 0;
 	grown = room_for_one(s, s->candidate, s->candidates, &s->candidate_room, sizeof *grown);
 	if (grown == NULL)
 		return -1;
 	s->candidate = grown;
-	s->candidate[s->candidates++] = (struct mp_candidate){.body = body};
+	s->candidate[s->candidates++] = (struct mp_candidate){.body = inner->body};
 	return 0;
 }
 
@@ -122,7 +131,8 @@ static int fill_container(struct nester *s)
 	if (s->candidates == 0)
 		return 0;
 	if (s->list == NULL &&
-	    (list_triangles(s) || mp_containment_begin(s->inside, s->mesh, s->row, s->list))) {
+	    (list_triangles(s) ||
+	     mp_containment_begin(s->inside, s->mesh, s->row, s->list, s->topology->bodies))) {
 		s->nomem = true;
 		return -1;
 	}
@@ -195,13 +205,19 @@ static void reset(struct nester *s, bool decided)
 static int build_tree(struct nester *s)
 {
 	s->low = malloc(((size_t)s->topology->bodies + 1) * sizeof *s->low);
-	if (s->low == NULL)
+	s->upper = malloc(((size_t)s->topology->bodies + 1) * sizeof *s->upper);
+	if (s->low == NULL || s->upper == NULL)
 		return -1;
 	for (uint32_t b = 0; b < s->topology->bodies; b++) {
 		memcpy(s->low[b].p, s->box[b].min, sizeof s->low[b].p);
 		s->low[b].id = b;
 	}
 	mp_kd_build(s->low, s->topology->bodies);
+	for (uint32_t i = 0; i < s->topology->bodies; i++) {
+		memcpy(s->upper[i].max, s->box[s->low[i].id].max, sizeof s->upper[i].max);
+		s->upper[i].body = s->low[i].id;
+		s->low[i].id = i;
+	}
 	return 0;
 }
 
@@ -236,6 +252,7 @@ int mp_nesting_find(const struct mp_mesh *mesh, const struct mp_topology *topolo
 	free(s.row);
 	free(s.pair);
 	free(s.candidate);
+	free(s.upper);
 	free(s.low);
 	return s.nomem ? mp_fail_nomem(err) : 0;
 }
