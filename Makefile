@@ -87,7 +87,7 @@ unit_help := $(call objects,$(filter-out tests/unit/test_%,$(wildcard tests/unit
 fuzz      := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 wrap      := $(if $(unit_help),-Wl$(comma)--wrap=malloc$(comma)--wrap=calloc$(comma)--wrap=realloc$(comma)--wrap=free)
 bench     := $(addprefix $(BUILD)/tests/bench/,generate discard stages bare_draco)
-tests     := $(unit) $(fuzz) $(bench) $(BUILD)/sample/flange.stl
+tests     := $(unit) $(fuzz) $(bench) $(BUILD)/sample/flange.stl $(BUILD)/tests/check/option_names
 
 # All cores, unless somebody said otherwise with -j.
 ifeq ($(MAKELEVEL),0)
