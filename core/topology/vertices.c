@@ -7,15 +7,12 @@
 
 #include "core/topology/recent.h"
 #include "core/topology/vertex_bits.h"
+#include "core/topology/vertex_slots.h"
 
-/*
- * Linear probing in slots of tag << 32 | number + 1, 0 = empty.  The tag is the hash, its top bits
- * are the place; so slots are in the order of their tags but for the probing, and doubling the
- * table is one pass over both, in order, that needs no coordinates.
- */
 struct mp_vertices {
 	uint64_t key[6];
-	uint64_t *slot; /* 1 << bits of them */
+	void *memory;   /* where slot lies */
+	uint64_t *slot; /* 1 << bits of them, from the begin of a line */
 	unsigned bits;
 	uint32_t count;
 	uint64_t room; /* vertices that xyz has memory for */
@@ -34,18 +31,6 @@ enum {
 
 #define MOST_VERTICES (UINT32_MAX - 1) /* number + 1 fits 32 bits; UINT32_MAX names none */
 
-struct corner {
-	double p[3]; /* without -0 */
-	uint64_t at; /* every slot from its home to here is taken by other tags */
-	uint32_t tag;
-	uint32_t number; /* the answer */
-};
-
-static uint64_t home(uint32_t tag, unsigned bits)
-{
-	return ((uint64_t)tag << 32) >> (64 - bits);
-}
-
 struct mp_vertices *mp_vertices_new(const uint8_t key[16], struct mp_error *err)
 {
 	struct mp_vertices *v = calloc(1, sizeof *v);
@@ -54,7 +39,7 @@ struct mp_vertices *mp_vertices_new(const uint8_t key[16], struct mp_error *err)
 		goto err0;
 	expand_key(key, v->key);
 	v->bits = FIRST_BITS;
-	v->slot = calloc((size_t)1 << v->bits, sizeof *v->slot);
+	v->slot = new_slots(v->bits, &v->memory);
 	if (v->slot == NULL)
 		goto err1;
 	return v;
@@ -69,7 +54,7 @@ void mp_vertices_free(struct mp_vertices *v)
 {
 	if (v == NULL)
 		return;
-	free(v->slot);
+	free(v->memory);
 	free(v->xyz);
 	mp_recent_free(&v->recent);
 	free(v);
@@ -78,11 +63,9 @@ void mp_vertices_free(struct mp_vertices *v)
 static int grow_slots(struct mp_vertices *v, struct mp_error *err)
 {
 	uint64_t old = (uint64_t)1 << v->bits, mask = 2 * old - 1;
-	uint64_t *slot;
+	void *memory;
+	uint64_t *slot = new_slots(v->bits + 1, &memory);
 
-	if (2 * old > SIZE_MAX / sizeof *slot)
-		return mp_fail_nomem(err);
-	slot = calloc((size_t)(2 * old), sizeof *slot);
 	if (slot == NULL)
 		return mp_fail_nomem(err);
 	for (uint64_t i = 0; i < old; i++) {
@@ -95,7 +78,8 @@ static int grow_slots(struct mp_vertices *v, struct mp_error *err)
 			at = (at + 1) & mask;
 		slot[at] = v->slot[i];
 	}
-	free(v->slot);
+	free(v->memory);
+	v->memory = memory;
 	v->slot = slot;
 	v->bits++;
 	return 0;
@@ -177,21 +161,24 @@ static void store(struct mp_vertices *v, uint32_t number, const double p[3])
 	}
 }
 
-static int find_or_add(struct mp_vertices *v, struct corner *c, struct mp_error *err)
+static int find_or_add(struct mp_vertices *v, const uint64_t word[3], struct mp_slot_corner *c,
+		       struct mp_error *err)
 {
 	uint64_t mask = ((uint64_t)1 << v->bits) - 1;
 	uint64_t at = c->at;
+	double p[3];
 
+	memcpy(p, word, sizeof p);
 	for (; v->slot[at] != 0; at = (at + 1) & mask) {
 		c->number = (uint32_t)v->slot[at] - 1;
-		if (v->slot[at] >> 32 == c->tag && equal(v, c->number, c->p))
+		if (v->slot[at] >> 32 == c->tag && equal(v, c->number, p))
 			return 0;
 	}
 	if (v->count >= MOST_VERTICES)
 		return mp_fail_limit(err, MP_NO_BYTE, MOST_VERTICES, (uint64_t)v->count + 1,
 				     "more than 4294967294 different vertices");
 	c->number = v->count++;
-	store(v, c->number, c->p);
+	store(v, c->number, p);
 	v->slot[at] = (uint64_t)c->tag << 32 | v->count;
 	return 0;
 }
@@ -219,8 +206,8 @@ static bool all_fit(const double (*tri)[9], unsigned count)
 }
 
 /* Hash the corners and ask memory for their slots. */
-static void hash_all(const struct mp_vertices *v, const uint64_t (*word)[3], struct corner *c,
-		     unsigned n)
+static void hash_all(const struct mp_vertices *v, const uint64_t (*word)[3],
+		     struct mp_slot_corner *c, unsigned n)
 {
 	const uint64_t *slot = v->slot;
 	unsigned bits = v->bits;
@@ -228,50 +215,27 @@ static void hash_all(const struct mp_vertices *v, const uint64_t (*word)[3], str
 
 	memcpy(key, v->key, sizeof key);
 	for (unsigned i = 0; i < n; i++) {
-		memcpy(c[i].p, word[i], sizeof c[i].p);
 		c[i].tag = hash(key, word[i]);
 		__builtin_prefetch(&slot[home(c[i].tag, bits)]);
 	}
 }
 
-/*
- * The slots are there by now: find the one with the tag, or the empty one, and ask for the
- * coordinates to compare.  Vertices added meanwhile take empty slots only, so the search may go on
- * from there.
- */
-static void find_tags(const struct mp_vertices *v, struct corner *c, unsigned n)
-{
-	size_t each = 3 * (v->wide ? sizeof(double) : sizeof(float));
-	uint64_t mask = ((uint64_t)1 << v->bits) - 1;
-
-	for (unsigned i = 0; i < n; i++) {
-		uint64_t at = home(c[i].tag, v->bits), s = v->slot[at];
-
-		while (s != 0 && s >> 32 != c[i].tag) {
-			at = (at + 1) & mask;
-			s = v->slot[at];
-		}
-		c[i].at = at;
-		if (s != 0)
-			__builtin_prefetch((const char *)v->xyz + ((uint32_t)s - 1) * each);
-	}
-}
-
 /* The numbers of ${n} corners, in this order. */
-static int look_up(struct mp_vertices *v, const uint64_t (*word)[3], struct corner *c, unsigned n,
-		   struct mp_error *err)
+static int look_up(struct mp_vertices *v, const uint64_t (*word)[3], struct mp_slot_corner *c,
+		   unsigned n, struct mp_error *err)
 {
 	hash_all(v, word, c, n);
-	find_tags(v, c, n);
+	mp_slots_find(v->slot, v->bits, v->xyz, 3 * (v->wide ? sizeof(double) : sizeof(float)), c,
+		      n);
 	for (unsigned i = 0; i < n; i++)
-		if (find_or_add(v, &c[i], err))
+		if (find_or_add(v, word[i], &c[i], err))
 			return -1;
 	return 0;
 }
 
 /* The same, but only for those that are none of the recent ones. */
-static int look_up_rest(struct mp_vertices *v, uint64_t (*word)[3], struct corner *c, unsigned n,
-			uint32_t (*out)[3], struct mp_error *err)
+static int look_up_rest(struct mp_vertices *v, uint64_t (*word)[3], struct mp_slot_corner *c,
+			unsigned n, uint32_t (*out)[3], struct mp_error *err)
 {
 	struct mp_recent_batch batch;
 	uint32_t number[CORNERS];
@@ -289,7 +253,7 @@ static int add_batch(struct mp_vertices *v, const double (*tri)[9], unsigned cou
 		     uint32_t (*out)[3], struct mp_error *err)
 {
 	uint64_t word[CORNERS][3];
-	struct corner c[CORNERS];
+	struct mp_slot_corner c[CORNERS];
 
 	if (reserve(v, 3 * count, err))
 		return -1;
@@ -366,8 +330,8 @@ void mp_vertices_seal(struct mp_vertices *v)
 {
 	struct mp_error ignored;
 
-	free(v->slot);
-	v->slot = NULL;
+	free(v->memory);
+	v->memory = v->slot = NULL;
 	mp_recent_free(&v->recent);
 	if (v->count > 0) /* what was in reserve; keeping it is no error */
 		(void)resize_xyz(v, v->count, v->wide, &ignored);
