@@ -128,7 +128,7 @@ static void warn(struct mp_report *r)
 
 	mp_warn(r, MP_WARN_OPEN, undefined && t->boundary_edges > 0);
 	mp_warn(r, MP_WARN_WINDING,
-		undefined &&
+		undefined && t->edges > 0 &&
 		    (t->misoriented_edges > 0 || (t->boundary_edges == 0 && t->single_walls == 0)));
 	mp_warn(r, MP_WARN_INTERNAL_WALLS, t->double_walls + t->single_walls > 0);
 	mp_warn(r, MP_WARN_CRACKS, !t->closed && t->cracks_only);

@@ -151,6 +151,11 @@ def warning_degenerate_triangles(d):
     found = show("a triangle on two points", post(d, BOX + [(a, a, b)]), {"degenerate_triangles"},
                  {"degenerate_triangles": 1}, volume=24000)
     check("which one", found["degenerate_triangles"][0]["triangles"] == [12], found)
+    o, x = (0, 0, 0), (1, 0, 0)
+    a = post(d, [(o, o, x), (o, x, x)])
+    warned = {w["code"] for w in a.json["warnings"]}
+    check("a mesh of nothing else has no edge and so no winding to warn of",
+          warned == {"degenerate_triangles"}, warned)
 
 
 def warning_duplicate_triangles(d):
