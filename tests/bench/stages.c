@@ -1,8 +1,8 @@
 /*
  * stages DIR TRIANGLES: what single stages cost on one core, in nanoseconds a triangle (the best of
  * several runs), on the solid of mesh.h and on the files DIR/TRIANGLES.*, which generate made.
- * stages DIR TRIANGLES STAGE: that stage once, for an instruction counter that looks at functions
- * called measured_* only.  stages: the names of the stages.
+ * stages DIR TRIANGLES STAGE: that stage once, for an instruction counter that looks at
+ * measured() only.  stages: the names of the stages.
  */
 #include <math.h>
 #include <stdbool.h>
@@ -77,34 +77,22 @@ static void decode(struct work *w, const struct mp_decoder_ops *decoder)
 	decoder->end(state);
 }
 
-MEASURED void measured_stl(struct work *w);
-MEASURED void measured_obj(struct work *w);
-MEASURED void measured_draco(struct work *w);
-MEASURED void measured_moments(struct work *w);
-MEASURED void measured_marks(struct work *w);
-MEASURED void measured_vertices(struct work *w);
-MEASURED void measured_edges(struct work *w);
-MEASURED void measured_topology(struct work *w);
-MEASURED void measured_bodies(struct work *w);
-MEASURED void measured_exact(struct work *w);
-MEASURED void measured_uncertainty(struct work *w);
-
-void measured_stl(struct work *w)
+static void run_stl(struct work *w)
 {
 	decode(w, &mp_stl_decoder);
 }
 
-void measured_obj(struct work *w)
+static void run_obj(struct work *w)
 {
 	decode(w, &mp_obj_decoder);
 }
 
-void measured_draco(struct work *w)
+static void run_draco(struct work *w)
 {
 	decode(w, &mp_draco_decoder);
 }
 
-void measured_moments(struct work *w)
+static void run_moments(struct work *w)
 {
 	mp_moments_begin(&w->moments);
 	for (size_t at = 0; at < w->count; at += MP_BLOCK)
@@ -112,14 +100,14 @@ void measured_moments(struct work *w)
 			       w->count - at < MP_BLOCK ? w->count - at : MP_BLOCK);
 }
 
-void measured_marks(struct work *w)
+static void run_marks(struct work *w)
 {
 	for (size_t at = 0; at < w->count; at += MP_BLOCK)
 		mp_flat_mark((const double(*)[9])w->tri + at,
 			     w->count - at < MP_BLOCK ? w->count - at : MP_BLOCK, at, w->flat);
 }
 
-void measured_vertices(struct work *w)
+static void run_vertices(struct work *w)
 {
 	const uint8_t key[16] = "sixteen of bytes";
 
@@ -134,7 +122,7 @@ void measured_vertices(struct work *w)
 	mp_vertices_seal(w->vertices);
 }
 
-void measured_edges(struct work *w)
+static void run_edges(struct work *w)
 {
 	struct mp_edges edges;
 
@@ -143,14 +131,14 @@ void measured_edges(struct work *w)
 	mp_edges_free(&edges);
 }
 
-void measured_topology(struct work *w)
+static void run_topology(struct work *w)
 {
 	mp_topology_free(&w->topology);
 	if (mp_topology_find(&w->mesh, 100, &w->topology, NULL))
 		die("no memory");
 }
 
-void measured_bodies(struct work *w)
+static void run_bodies(struct work *w)
 {
 	struct mp_moments total = w->moments;
 	struct mp_bodies bodies = {0};
@@ -162,7 +150,7 @@ void measured_bodies(struct work *w)
 	mp_bodies_free(&bodies);
 }
 
-void measured_exact(struct work *w)
+static void run_exact(struct work *w)
 {
 	struct mp_exact e;
 
@@ -173,7 +161,7 @@ void measured_exact(struct work *w)
 	mp_exact_free(&e);
 }
 
-void measured_uncertainty(struct work *w)
+static void run_uncertainty(struct work *w)
 {
 	const struct mp_moments *m = &w->moments;
 	struct mp_rounded_solid s = {.mesh = &w->mesh, .float32 = true, .volume = 1};
@@ -237,14 +225,14 @@ static void change(struct work *w, int bits)
 
 static void find_mesh(struct work *w)
 {
-	measured_moments(w);
-	measured_vertices(w);
-	measured_marks(w);
+	run_moments(w);
+	run_vertices(w);
+	run_marks(w);
 	w->mesh = (struct mp_mesh){.vertices = w->vertices,
 				   .tri = (const uint32_t(*)[3])w->corner,
 				   .triangles = (uint32_t)w->count,
 				   .flat = w->flat};
-	measured_topology(w);
+	run_topology(w);
 }
 
 static void read_file(struct work *w, const char *path)
@@ -284,30 +272,36 @@ static const struct stage {
 	bool shuffled;    /* in no order, */
 	bool mesh;        /* with its vertices and topology found */
 } stages[] = {
-    {"stl", "decode binary STL", measured_stl, "stl", 0, false, false},
-    {"ascii", "decode ASCII STL", measured_stl, "ascii.stl", 0, false, false},
-    {"obj", "decode OBJ, v/vt/vn, faces of four", measured_obj, "obj", 0, false, false},
-    {"draco7", "decode Draco, level 7", measured_draco, "7.drc", 0, false, false},
-    {"draco0", "decode Draco, level 0", measured_draco, "0.drc", 0, false, false},
-    {"moments", "bounds and sums", measured_moments, NULL, 0, false, false},
-    {"marks", "marks of what may be degenerate", measured_marks, NULL, 0, false, false},
-    {"vertices", "vertices, mesh order", measured_vertices, NULL, 0, false, false},
-    {"vertices-shuffled", "vertices, shuffled", measured_vertices, NULL, 0, true, false},
-    {"edges", "edges, mesh order", measured_edges, NULL, 0, false, true},
-    {"edges-shuffled", "edges, shuffled", measured_edges, NULL, 0, true, true},
-    {"topology", "edges and all other topology, mesh order", measured_topology, NULL, 0, false,
+    {"stl", "decode binary STL", run_stl, "stl", 0, false, false},
+    {"ascii", "decode ASCII STL", run_stl, "ascii.stl", 0, false, false},
+    {"obj", "decode OBJ, v/vt/vn, faces of four", run_obj, "obj", 0, false, false},
+    {"draco7", "decode Draco, level 7", run_draco, "7.drc", 0, false, false},
+    {"draco0", "decode Draco, level 0", run_draco, "0.drc", 0, false, false},
+    {"moments", "bounds and sums", run_moments, NULL, 0, false, false},
+    {"marks", "marks of what may be degenerate", run_marks, NULL, 0, false, false},
+    {"vertices", "vertices, mesh order", run_vertices, NULL, 0, false, false},
+    {"vertices-shuffled", "vertices, shuffled", run_vertices, NULL, 0, true, false},
+    {"edges", "edges, mesh order", run_edges, NULL, 0, false, true},
+    {"edges-shuffled", "edges, shuffled", run_edges, NULL, 0, true, true},
+    {"topology", "edges and all other topology, mesh order", run_topology, NULL, 0, false, true},
+    {"topology-shuffled", "edges and all other topology, shuffled", run_topology, NULL, 0, true,
      true},
-    {"topology-shuffled", "edges and all other topology, shuffled", measured_topology, NULL, 0,
+    {"bodies", "bodies and nesting", run_bodies, NULL, 0, false, true},
+    {"uncertainty", "what rounded coordinates do", run_uncertainty, NULL, 0, false, true},
+    {"uncertainty-shuffled", "what rounded coordinates do, shuffled", run_uncertainty, NULL, 0,
      true, true},
-    {"bodies", "bodies and nesting", measured_bodies, NULL, 0, false, true},
-    {"uncertainty", "what rounded coordinates do", measured_uncertainty, NULL, 0, false, true},
-    {"uncertainty-shuffled", "what rounded coordinates do, shuffled", measured_uncertainty, NULL, 0,
-     true, true},
-    {"exact", "exact sums, float32", measured_exact, NULL, 0, false, true},
-    {"exact-20", "exact sums, multiples of 2^-20", measured_exact, NULL, 20, false, true},
-    {"exact-40", "exact sums, multiples of 2^-40", measured_exact, NULL, 40, false, true},
-    {"exact-double", "exact sums, double", measured_exact, NULL, -1, false, true},
+    {"exact", "exact sums, float32", run_exact, NULL, 0, false, true},
+    {"exact-20", "exact sums, multiples of 2^-20", run_exact, NULL, 20, false, true},
+    {"exact-40", "exact sums, multiples of 2^-40", run_exact, NULL, 40, false, true},
+    {"exact-double", "exact sums, double", run_exact, NULL, -1, false, true},
 };
+
+MEASURED void measured(const struct stage *s, struct work *w);
+
+void measured(const struct stage *s, struct work *w)
+{
+	s->run(w);
+}
 
 enum { STAGES = sizeof stages / sizeof stages[0] };
 
@@ -349,7 +343,7 @@ static void measure(const struct stage *s, const char *dir, uint64_t triangles)
 	for (int i = 0; i < 9 && (i < 3 || total < 1); i++) {
 		double start = cpu(), took;
 
-		s->run(&w);
+		measured(s, &w);
 		took = cpu() - start;
 		best = fmin(best, took);
 		total += took;
@@ -375,7 +369,7 @@ int main(int argc, char **argv)
 			measure(s, argv[1], triangles);
 		} else if (argc == 4 && strcmp(s->name, argv[3]) == 0) {
 			prepare(&w, s, argv[1], triangles);
-			s->run(&w);
+			measured(s, &w);
 			work_free(&w);
 		}
 	}
