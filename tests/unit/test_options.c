@@ -50,6 +50,7 @@ static struct api_problem refuses_bytes(const char *query, size_t len, enum api_
 
 	if (read_query(query, len, &o, &p) == 0)
 		fail_msg("%s is accepted", query);
+	api_options_free(&o);
 	if (p.code != code || strcmp(p.option, option) != 0)
 		fail_msg("%s: %s, %s, %s", query, api_problem_name(p.code), p.option, p.detail);
 	assert_true(api_utf8_clean(p.detail, strlen(p.detail)));
@@ -266,7 +267,8 @@ static void closed_checks_exclude_what_needs_a_table(void **state)
 	bad("checks=closed&format=obj", "checks");
 	bad("format=drc&checks=closed", "checks");
 	bad("checks=open", "checks");
-	(void)accepts("checks=full&precision=exact&density[a]=1&format=stl");
+	o = accepts("checks=full&precision=exact&density[a]=1&format=stl");
+	api_options_free(&o);
 }
 
 static void extras_are_a_list(void **state)
