@@ -21,7 +21,11 @@
 #include "core/topology/vertices.h"
 #include "tests/bench/mesh.h"
 
+#ifdef __clang__
+#define MEASURED __attribute__((noinline))
+#else
 #define MEASURED __attribute__((noinline, noclone))
+#endif
 
 struct work {
 	double (*tri)[9]; /* ${count}, in the order of the mesh or in none */

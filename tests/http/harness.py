@@ -25,6 +25,12 @@ import time
 import schema
 
 PROGRAM = os.environ.get("MASSPROPD", "build/masspropd")
+# Built with the address sanitizer: memory limits are off, and what is freed stays with the process.
+try:
+    with open(PROGRAM, "rb") as _f:
+        SANITIZED = b"__asan_init" in _f.read()
+except OSError:  # not built: for the fuzz targets' seeds only the meshes are wanted
+    SANITIZED = False
 
 # ---------------------------------------------------------------------------------------- TAP
 

@@ -13,7 +13,6 @@ from wire import *
 FILE = stl(box((0, 0, 0), (40, 30, 20)))
 CHUNKED = b"POST /v1/mass-properties HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
 MIB = 1 << 20
-SANITIZED = b"__asan_init" in open(PROGRAM, "rb").read()
 
 
 def in_flight(d):

@@ -203,7 +203,6 @@ def test_full_memory(d):
     print(f"# statuses while memory was out: {sorted(statuses)}, {ended} of 10 ended")
 
 
-SANITIZED = b"__asan_init" in open(PROGRAM, "rb").read()
 with Daemon("--workers", "2", "--queue", "64") as daemon:
     check("a crew", until(ready(daemon, 3)))
     test_random_kills(daemon)
