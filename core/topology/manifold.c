@@ -232,7 +232,7 @@ static int look_at_range(struct ring *r)
 		else
 			good = is_ring(r, link, n);
 		if (good != 1)
-			return good;
+			return good; /* NOLINT(clang-analyzer-unix.Malloc): r owns it */
 		r->label[v] = smallest_neighbour(link, n, v);
 	}
 	return 1;
@@ -365,7 +365,7 @@ static int find(struct ring *r, struct mp_topology *out)
 	if (r->most > 3 * r->faces)
 		r->most = 3 * r->faces;
 	r->link = malloc(r->most * sizeof *r->link);
-	r->label = malloc(r->vertices * sizeof *r->label);
+	r->label = calloc(r->vertices, sizeof *r->label);
 	if (r->link == NULL || r->label == NULL)
 		return -1;
 	good = look(r);

@@ -242,7 +242,7 @@ static void find_mesh(struct work *w)
 static void read_file(struct work *w, const char *path)
 {
 	FILE *f = fopen(path, "rb");
-	long len;
+	long len = -1;
 
 	if (f == NULL || fseek(f, 0, SEEK_END) != 0 || (len = ftell(f)) < 0)
 		die(path);
