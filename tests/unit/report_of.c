@@ -8,6 +8,8 @@
 
 #include <cmocka.h>
 
+#include "tests/unit/alloc_fail.h"
+
 struct mp_request request_plain(void)
 {
 	return (struct mp_request){
@@ -82,6 +84,30 @@ void report_of_ascii(const struct mesh *m, const struct mp_request *request, str
 	uint8_t *file = mesh_stl_ascii(m, "made", &size);
 
 	report_of_made(file, size, request, out);
+}
+
+void report_without_memory(const struct mesh *m, const struct mp_request *request, long most)
+{
+	size_t size;
+	uint8_t *file = mesh_stl_binary(m, NULL, &size);
+	bool done = false;
+	long n;
+
+	for (n = 1; !done; n++) {
+		struct mp_error err = {0};
+		struct mp_report r;
+
+		assert_true(n < most);
+		alloc_fail_at(n);
+		done = report_of_file(file, size, 0, request, &r, &err) == 0;
+		alloc_fail_at(0);
+		if (done)
+			mp_report_free(&r);
+		else
+			assert_int_equal(err.code, MP_NOMEM);
+	}
+	assert_true(n > 2); /* some allocation did fail */
+	free(file);
 }
 
 void assert_near(double value, double want, double tolerance)

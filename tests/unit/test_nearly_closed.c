@@ -9,7 +9,6 @@
 
 #include <cmocka.h>
 
-#include "tests/unit/alloc_fail.h"
 #include "tests/unit/report_of.h"
 
 static uint64_t next(uint64_t *s)
@@ -180,28 +179,11 @@ static void every_allocation_may_fail(void **state)
 	struct mp_request request = request_plain();
 	struct mesh m = {0};
 	uint64_t seed = 3;
-	size_t size;
-	uint8_t *file;
-	bool done = false;
 
 	(void)state;
 	make(&m);
 	tear(&m, 1, 0x1p-17, &seed);
-	file = mesh_stl_binary(&m, NULL, &size);
-	for (long n = 1; !done; n++) {
-		struct mp_error err = {0};
-		struct mp_report r;
-
-		alloc_fail_at(n);
-		done = report_of_file(file, size, 0, &request, &r, &err) == 0;
-		alloc_fail_at(0);
-		if (done)
-			mp_report_free(&r);
-		else
-			assert_int_equal(err.code, MP_NOMEM);
-		assert_true(n < 1000);
-	}
-	free(file);
+	report_without_memory(&m, &request, 1000);
 	mesh_free(&m);
 }
 

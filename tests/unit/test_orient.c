@@ -8,7 +8,6 @@
 
 #include <cmocka.h>
 
-#include "tests/unit/alloc_fail.h"
 #include "tests/unit/report_of.h"
 
 static const double TURN = 6.28318530717958647692;
@@ -586,31 +585,14 @@ static void every_allocation_may_fail(void **state)
 	for (int orient = 0; orient < 2; orient++) {
 		struct mesh m = {0};
 		uint64_t seed = 3;
-		size_t size;
-		uint8_t *file;
-		bool done = false;
 
 		make_nested(&m);
 		make_cracked(&m);
 		moebius(&m, 9);
 		make_cubes(&m, &seed, 8);
 		(void)turn_some(&m, 0, 5, &seed);
-		file = mesh_stl_binary(&m, NULL, &size);
 		request.orient = orient == 1;
-		for (long n = 1; !done; n++) {
-			struct mp_error err = {0};
-			struct mp_report r;
-
-			alloc_fail_at(n);
-			done = report_of_file(file, size, 0, &request, &r, &err) == 0;
-			alloc_fail_at(0);
-			if (done)
-				mp_report_free(&r);
-			else
-				assert_int_equal(err.code, MP_NOMEM);
-			assert_true(n < 5000);
-		}
-		free(file);
+		report_without_memory(&m, &request, 5000);
 		mesh_free(&m);
 	}
 }

@@ -12,7 +12,6 @@
 
 #include <cmocka.h>
 
-#include "tests/unit/alloc_fail.h"
 #include "tests/unit/mesh_random.h"
 #include "tests/unit/oracle.h"
 #include "tests/unit/report_of.h"
@@ -533,28 +532,11 @@ static void test_every_allocation_may_fail(void **unused)
 {
 	struct mp_request request = request_of(SHEAR, MP_WISH_EXACT);
 	struct mesh m = {0};
-	uint8_t *file;
-	size_t size;
-	bool done = false;
 
 	(void)unused;
 	request.weld = 0x1p-12;
 	mesh_box(&m, ORIGIN, SIZE);
-	file = mesh_stl_binary(&m, NULL, &size);
-	for (long n = 1; !done; n++) {
-		struct mp_error err = {0};
-		struct mp_report r;
-
-		alloc_fail_at(n);
-		done = report_of_file(file, size, 0, &request, &r, &err) == 0;
-		alloc_fail_at(0);
-		if (done)
-			mp_report_free(&r);
-		else
-			assert_int_equal(err.code, MP_NOMEM);
-		assert_true(n < 1000);
-	}
-	free(file);
+	report_without_memory(&m, &request, 1000);
 	mesh_free(&m);
 }
 
