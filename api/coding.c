@@ -15,6 +15,7 @@
 
 enum {
 	PIECE = 64 << 10,
+	KEPT = 128 << 10,           /* a block of zstd, at most */
 	GZIP_ONLY = 16 + MAX_WBITS, /* inflateInit2: gzip's frame, neither zlib's nor none */
 	WINDOW_LOG = 27,            /* what zstd --long and --ultra make; the library's own limit */
 	ZSTD_MAGIC = 4,
@@ -33,13 +34,14 @@ struct api_coding {
 	bool begun; /* a member or frame began */
 	z_stream gzip;
 	ZSTD_DCtx *zstd;
-	size_t hint;  /* what libzstd wants next */
-	size_t slice; /* bytes left of what it may get at once */
+	size_t hint;     /* what libzstd wants next */
+	size_t slice;    /* bytes that it gets at once */
+	size_t kept_len; /* of them, those that wait for the rest */
 	uint64_t slice_at;
 	uint64_t frame_at;
 	uint8_t magic[ZSTD_MAGIC];
 	size_t magic_len;
-	uint8_t piece[]; /* PIECE bytes, none for identity */
+	uint8_t piece[]; /* PIECE bytes decoded, none for identity; with zstd, KEPT encoded ones */
 };
 
 const char *const api_coding_names[API_CODINGS] = {"identity", "gzip", "zstd"};
@@ -121,8 +123,9 @@ static int begin(struct api_coding *c)
 struct api_coding *api_coding_new(enum api_coding_kind kind, uint64_t most,
 				  const struct api_sink *sink)
 {
-	size_t room = kind == API_CODING_IDENTITY ? 0 : PIECE;
-	struct api_coding *c = malloc(sizeof *c + room);
+	static const size_t room[API_CODINGS] = {
+	    [API_CODING_GZIP] = PIECE, [API_CODING_ZSTD] = PIECE + KEPT};
+	struct api_coding *c = malloc(sizeof *c + room[kind]);
 
 	if (c == NULL)
 		return NULL;
@@ -241,47 +244,69 @@ static int zstd_error(const struct api_coding *c, size_t rc, struct api_problem 
 
 static size_t slice_size(const struct api_coding *c)
 {
+	size_t size = c->hint - ZSTD_BLOCK_HEADER;
+
 	if (c->at - c->frame_at < ZSTD_HEADER || c->hint <= ZSTD_BLOCK_HEADER)
 		return 1;
-	return c->hint - ZSTD_BLOCK_HEADER;
+	return size < KEPT ? size : KEPT;
 }
 
-/*
- * ${len} > 0 bytes within a frame.  libzstd forgets what it has put out in a call that ends in an
- * error, so that no call gets more than one slice, a header or a block or less: the hint counts the
- * next block's header too.  Where a slice ends does not hang on where a chunk does.  The frame's
- * header goes in byte by byte: what libzstd finds wrong with one hangs on how much of it is there.
- */
-static int unpack(struct api_coding *c, const uint8_t *bytes, size_t len, struct api_problem *p)
+/* One whole slice of ${size} bytes, and all that comes out of it. */
+static int unpack_slice(struct api_coding *c, const uint8_t *bytes, size_t size,
+			struct api_problem *p)
 {
+	ZSTD_inBuffer in = {bytes, size, 0};
 	bool full = false;
 
-	while ((len > 0 || full) && c->place == INSIDE) {
+	while (in.pos < in.size || full) {
 		ZSTD_outBuffer out = {c->piece, PIECE, 0};
-		ZSTD_inBuffer in = {bytes, 0, 0};
-		size_t rc;
 
-		if (c->slice == 0 && !full) {
-			c->slice = slice_size(c);
-			c->slice_at = c->at;
-		}
-		if (!full) /* what is left of a block comes out first */
-			in.size = len < c->slice ? len : c->slice;
-		rc = ZSTD_decompressStream(c->zstd, &out, &in);
-		if (ZSTD_isError(rc)) {
+		c->hint = ZSTD_decompressStream(c->zstd, &out, &in);
+		if (ZSTD_isError(c->hint)) {
 			c->at = c->slice_at;
-			return zstd_error(c, rc, p);
+			return zstd_error(c, c->hint, p);
 		}
-		c->slice -= in.pos;
-		c->hint = rc;
-		if (rc == 0)
-			c->place = BETWEEN;
-		bytes += in.pos;
-		len -= in.pos;
-		c->at += in.pos;
 		if (deliver(c, c->piece, out.pos, p))
 			return -1;
 		full = out.pos == out.size;
+	}
+	if (c->hint == 0)
+		c->place = BETWEEN;
+	return 0;
+}
+
+/*
+ * ${len} > 0 bytes within a frame.  What libzstd puts out before it finds an error hangs on how it
+ * is fed: it forgets what came out in the call that fails, and takes a stored block in pieces of
+ * any size.  So it gets whole slices, a header or a block or less, whose ends do not hang on where
+ * a chunk ends; a part of one is kept until the rest is there.  The hint counts the next block's
+ * header too, and never goes beyond the frame.  The frame's header goes in byte by byte: what
+ * libzstd finds wrong with one hangs on how much of it is there.
+ */
+static int unpack(struct api_coding *c, const uint8_t *bytes, size_t len, struct api_problem *p)
+{
+	while (len > 0 && c->place == INSIDE) {
+		const uint8_t *slice = bytes;
+		size_t n;
+
+		if (c->kept_len == 0) {
+			c->slice = slice_size(c);
+			c->slice_at = c->at;
+		}
+		n = c->slice - c->kept_len < len ? c->slice - c->kept_len : len;
+		if (n < c->slice) {
+			memcpy(c->piece + PIECE + c->kept_len, bytes, n);
+			c->kept_len += n;
+			slice = c->piece + PIECE;
+		}
+		bytes += n;
+		len -= n;
+		c->at += n;
+		if (slice != c->piece + PIECE || c->kept_len == c->slice) {
+			c->kept_len = 0;
+			if (unpack_slice(c, slice, c->slice, p))
+				return -1;
+		}
 	}
 	return 0;
 }
@@ -319,9 +344,8 @@ static int push_zstd(struct api_coding *c, const uint8_t *bytes, size_t len, str
 		c->magic_len = 0;
 		c->begun = true;
 		c->place = INSIDE;
-		c->slice = ZSTD_MAGIC;
-		c->frame_at = c->slice_at = c->at -= ZSTD_MAGIC; /* unpack() counts them */
-		if (unpack(c, c->magic, ZSTD_MAGIC, p))
+		c->frame_at = c->slice_at = c->at - ZSTD_MAGIC;
+		if (unpack_slice(c, c->magic, ZSTD_MAGIC, p))
 			return -1;
 	}
 	return 0;

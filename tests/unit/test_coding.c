@@ -392,7 +392,6 @@ static void zstd_windows_are_bounded(void **state)
 	assert_non_null(strstr(whole.problem.detail, "dictionary"));
 }
 
-/* Every proper prefix is refused, unless it ends between members, with its length. */
 /* libzstd words what is wrong with it by how much of it came at once. */
 static void a_bad_zstd_frame_header_is_judged_alike_in_any_pieces(void **state)
 {
@@ -409,6 +408,28 @@ static void a_bad_zstd_frame_header_is_judged_alike_in_any_pieces(void **state)
 	}
 }
 
+/* libzstd puts out as much of a stored block as it was given, up to where the room ends. */
+static void a_stored_block_beyond_the_declared_size_is_judged_alike_in_any_pieces(void **state)
+{
+	enum { BLOCK = 300, DECLARED = 50 };
+	uint8_t frame[13 + BLOCK] = {0x28,    0xb5, 0x2f, 0xfd, 0x80, 0, /* a window of 1 KiB */
+				     DECLARED};
+
+	(void)state;
+	frame[10] = ((BLOCK << 3) & 0xff) | 1; /* the last one, stored */
+	frame[11] = (BLOCK << 3) >> 8;
+	memset(frame + 13, 'x', BLOCK);
+	for (size_t len = 1; len <= sizeof frame; len += len < 30 ? 1 : 45) {
+		decode(&whole, API_CODING_ZSTD, ROOM, frame, len, len, 1);
+		assert_int_equal(whole.problem.code, API_BAD_ENCODING);
+		for (size_t step = 1; step < len; step += 1 + step / 8) {
+			decode(&split, API_CODING_ZSTD, ROOM, frame, len, step, step);
+			assert_same();
+		}
+	}
+}
+
+/* Every proper prefix is refused, unless it ends between members, with its length. */
 static void every_prefix_is_cut_off(void **state)
 {
 	(void)state;
@@ -599,6 +620,7 @@ int main(void)
 	    cmocka_unit_test(what_is_no_zstd_is_refused),
 	    cmocka_unit_test(zstd_windows_are_bounded),
 	    cmocka_unit_test(a_bad_zstd_frame_header_is_judged_alike_in_any_pieces),
+	    cmocka_unit_test(a_stored_block_beyond_the_declared_size_is_judged_alike_in_any_pieces),
 	    cmocka_unit_test(every_prefix_is_cut_off),
 	    cmocka_unit_test(nothing_is_held_back),
 	    cmocka_unit_test(damage_shows_alike_in_any_pieces),
