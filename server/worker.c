@@ -243,7 +243,7 @@ void srv_worker_run(const struct srv_config *config, int sock, struct srv_segmen
 	if (srv_sandbox_obey(config->sandbox, SRV_SANDBOX_WORKER, why, sizeof why) != 0)
 		_exit(7); /* the front said why and has not begun either */
 
-	mallopt(M_MMAP_THRESHOLD, 1 << 30);
+	mallopt(M_MMAP_THRESHOLD, 32 << 20);
 	mallopt(M_TRIM_THRESHOLD, -1); /* only where rest() says so */
 	for (;;) {
 		int spool;
