@@ -4,6 +4,7 @@
 #include "core/analysis_state.h"
 #include "core/bodies/named.h"
 #include "core/geometry/predicates.h"
+#include "core/memory/huge.h"
 #include "core/notes.h"
 #include "core/report/report_parts.h"
 
@@ -42,7 +43,7 @@ static int reserve(struct mp_analysis *a, size_t count, struct mp_error *err)
 	if (room > SIZE_MAX / sizeof *a->tri ||
 	    (new = realloc(a->tri, room * sizeof *a->tri)) == NULL)
 		return mp_fail_nomem(err);
-	a->tri = new;
+	a->tri = mp_huge(new, room * sizeof *a->tri);
 	a->room = room;
 	return 0;
 }

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory/huge.h"
+
 /*
  * Rows: what is derived.  0: the volume, times 6; 1 to 3: its first moments about the centroid,
  * times
@@ -272,7 +274,8 @@ static double square_row(const struct frame *f, float (*sums)[3])
 static int find_at_once(const struct frame *f, size_t vertices, double squares[ROWS],
 			struct mp_error *err)
 {
-	rows *sums = calloc(vertices + 1, 3 * sizeof *sums);
+	const size_t size = 3 * sizeof(rows) * (vertices + 1);
+	rows *sums = mp_huge(calloc(1, size), size);
 
 	if (sums == NULL)
 		return mp_fail_nomem(err);
@@ -285,12 +288,13 @@ static int find_at_once(const struct frame *f, size_t vertices, double squares[R
 static int find_by_rows(const struct frame *f, size_t vertices, double squares[ROWS],
 			struct mp_error *err)
 {
-	float(*sums)[3] = malloc((vertices + 1) * sizeof *sums);
+	const size_t size = (vertices + 1) * sizeof(float[3]);
+	float(*sums)[3] = mp_huge(malloc(size), size);
 
 	if (sums == NULL)
 		return mp_fail_nomem(err);
 	for (int r = 0; r < ROWS; r++) {
-		memset(sums, 0, (vertices + 1) * sizeof *sums);
+		memset(sums, 0, size);
 		add_row(f, r, sums);
 		squares[r] = square_row(f, sums);
 	}

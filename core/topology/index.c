@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory/huge.h"
 #include "core/sort.h"
 #include "core/topology/edges.h"
 
@@ -21,7 +22,7 @@ static int reserve(struct mp_index *x, size_t count, struct mp_error *err)
 	if (room > SIZE_MAX / sizeof *x->tri ||
 	    (new = realloc(x->tri, room * sizeof *x->tri)) == NULL)
 		return mp_fail_nomem(err);
-	x->tri = new;
+	x->tri = mp_huge(new, room * sizeof *x->tri);
 	x->room = room;
 	return 0;
 }

@@ -1,6 +1,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory/huge.h"
 #include "core/sort.h"
 #include "core/topology/disjoint.h"
 #include "core/topology/ring.h"
@@ -350,10 +351,11 @@ static int fill(struct ring *r, struct mp_topology *out)
 /* 1 if the mesh is good, and then ${out} is filled, 0 if not, -1 where memory is out. */
 static int find(struct ring *r, struct mp_topology *out)
 {
-	size_t longest;
+	size_t longest, size;
 	int good;
 
-	r->row = calloc((size_t)r->vertices + 1, sizeof *r->row);
+	size = ((size_t)r->vertices + 1) * sizeof *r->row;
+	r->row = mp_huge(calloc((size_t)r->vertices + 1, sizeof *r->row), size);
 	r->span = malloc(((size_t)r->mesh->triangles / BLOCK + 1) * sizeof *r->span);
 	if (r->row == NULL || r->span == NULL)
 		return -1;
@@ -364,8 +366,8 @@ static int find(struct ring *r, struct mp_topology *out)
 		r->most = longest;
 	if (r->most > 3 * r->faces)
 		r->most = 3 * r->faces;
-	r->link = malloc(r->most * sizeof *r->link);
-	r->label = calloc(r->vertices, sizeof *r->label);
+	r->link = mp_huge(malloc(r->most * sizeof *r->link), r->most * sizeof *r->link);
+	r->label = mp_huge(calloc(r->vertices, sizeof *r->label), r->vertices * sizeof *r->label);
 	if (r->link == NULL || r->label == NULL)
 		return -1;
 	good = look(r);

@@ -4,6 +4,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include "core/memory/huge.h"
+
 /*
  * The slots of the vertex table, private to it: tag << 32 | number + 1, 0 = empty.  The tag is the
  * hash, its top bits are the place, a whole line of the cache.  Linear probing from the first slot
@@ -27,7 +29,7 @@ static inline uint64_t *new_slots(unsigned bits, void **memory)
 	uint64_t count = ((uint64_t)1 << bits) + SLOTS_OF_LINE;
 
 	*memory = count > SIZE_MAX / sizeof count ? NULL : calloc((size_t)count, sizeof count);
-	if (*memory == NULL)
+	if (mp_huge(*memory, (size_t)(count * sizeof count)) == NULL)
 		return NULL;
 	return (uint64_t *)(void *)((char *)*memory + (-(uintptr_t)*memory & (BYTES_OF_LINE - 1)));
 }

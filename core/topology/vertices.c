@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory/huge.h"
 #include "core/topology/recent.h"
 #include "core/topology/vertex_bits.h"
 #include "core/topology/vertex_slots.h"
@@ -92,7 +93,7 @@ static int resize_xyz(struct mp_vertices *v, uint64_t room, bool wide, struct mp
 
 	if (room > SIZE_MAX / each)
 		return mp_fail_nomem(err);
-	p = realloc(v->xyz, (size_t)(room * each));
+	p = mp_huge(realloc(v->xyz, (size_t)(room * each)), (size_t)(room * each));
 	if (p == NULL)
 		return mp_fail_nomem(err);
 	v->xyz = p;

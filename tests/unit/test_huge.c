@@ -1,0 +1,90 @@
+/* Tables on huge pages: what they hold stays, and nothing beside them changes. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "core/memory/huge.h"
+
+enum { LARGE = 40 << 20 };
+
+/* Has the mapping around ${p} been asked for huge pages?  -1: the system does not say. */
+static int is_advised(const void *p)
+{
+	FILE *f = fopen("/proc/self/smaps", "r");
+	char line[512];
+	int inside = 0, advised = -1;
+
+	while (f != NULL && fgets(line, sizeof line, f) != NULL) {
+		unsigned long from, to;
+
+		if (sscanf(line, "%lx-%lx ", &from, &to) == 2)
+			inside = (uintptr_t)p >= from && (uintptr_t)p < to;
+		else if (inside && strncmp(line, "VmFlags:", 8) == 0)
+			advised = strstr(line, " hg") != NULL;
+	}
+	if (f != NULL)
+		fclose(f);
+	return advised;
+}
+
+static void a_large_table_is_advised(void **state)
+{
+	unsigned char *table = mp_huge(calloc(1, LARGE), LARGE);
+	FILE *f = fopen("/sys/kernel/mm/transparent_hugepage/enabled", "r");
+	int advised = is_advised(table + LARGE / 2);
+
+	(void)state;
+	assert_non_null(table);
+	for (size_t i = 0; i < LARGE; i += 4096)
+		assert_int_equal(table[i], 0);
+	free(table);
+	if (f == NULL || advised < 0)
+		skip();
+	fclose(f);
+	assert_int_equal(advised, 1);
+}
+
+static void its_bytes_stay(void **state)
+{
+	unsigned char *table = malloc(LARGE);
+
+	(void)state;
+	assert_non_null(table);
+	for (size_t i = 0; i < LARGE; i++)
+		table[i] = (unsigned char)(i * 2654435761u >> 24);
+	assert_ptr_equal(mp_huge(table, LARGE), table);
+	for (size_t i = 0; i < LARGE; i++)
+		if (table[i] != (unsigned char)(i * 2654435761u >> 24))
+			fail_msg("byte %zu changed", i);
+	free(table);
+}
+
+static void a_small_table_and_none_are_left_alone(void **state)
+{
+	void *table = malloc(1 << 20);
+
+	(void)state;
+	assert_non_null(table);
+	assert_ptr_equal(mp_huge(table, 1 << 20), table);
+	assert_int_not_equal(is_advised((char *)table + (1 << 19)), 1);
+	free(table);
+	assert_null(mp_huge(NULL, 0));
+	assert_null(mp_huge(NULL, LARGE));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(a_large_table_is_advised),
+	    cmocka_unit_test(its_bytes_stay),
+	    cmocka_unit_test(a_small_table_and_none_are_left_alone),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
