@@ -207,7 +207,7 @@ $(BUILD)/tests/check/option_names: $(BUILD)/tests/check/option_names.o $(libs)
 fuzz:
 	@tests/deps install fuzz
 	@$(MAKE) CC=clang SANITIZE=fuzzer-no-link,address,undefined fuzzers
-	@tests/fuzz/run build/fuzzer-no-link-address-undefined/tests/fuzz $(TIME) $(T)
+	@SEED=$(SEED) tests/fuzz/run build/fuzzer-no-link-address-undefined/tests/fuzz $(TIME) $(T)
 fuzzers: $(fuzz)
 soak:
 	@CC='$(CC)' tests/deps install test
