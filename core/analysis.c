@@ -65,20 +65,54 @@ static bool has_edges(const double (*tri)[9], size_t count)
 	return false;
 }
 
+static bool has_edges_floats(const float (*xyz)[MP_BLOCK], size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		double t[1][9];
+
+		for (size_t k = 0; k < 9; k++)
+			t[0][k] = (double)xyz[k][i];
+		if (has_edges((const double(*)[9])t, 1))
+			return true;
+	}
+	return false;
+}
+
+static int count_streamed(struct mp_analysis *a, size_t count, struct mp_error *err)
+{
+	if (count > MP_FINGERPRINT_MOST - a->triangles)
+		return mp_fail_limit(err, MP_NO_BYTE, MP_FINGERPRINT_MOST, a->triangles + count,
+				     "more than %llu triangles",
+				     (unsigned long long)MP_FINGERPRINT_MOST);
+	a->triangles += count;
+	return 0;
+}
+
 /* While the block is in the first-level cache: everything that is ever done with it. */
 static int stream_block(void *self, const double (*tri)[9], size_t count, struct mp_error *err)
 {
 	struct mp_analysis *a = self;
 
-	if (count > MP_FINGERPRINT_MOST - a->triangles)
-		return mp_fail_limit(err, MP_NO_BYTE, MP_FINGERPRINT_MOST, a->triangles + count,
-				     "more than %llu triangles",
-				     (unsigned long long)MP_FINGERPRINT_MOST);
+	if (count_streamed(a, count, err))
+		return -1;
 	mp_moments_add(&a->moments, tri, count);
 	mp_fingerprint_add(&a->fingerprint, tri, count);
 	a->degenerate += mp_collinear_count(tri, count);
 	a->edges = a->edges || has_edges(tri, count);
-	a->triangles += count;
+	return 0;
+}
+
+static int stream_floats(void *self, const float (*xyz)[MP_BLOCK], size_t count,
+			 struct mp_error *err)
+{
+	struct mp_analysis *a = self;
+
+	if (count_streamed(a, count, err))
+		return -1;
+	mp_moments_add_floats(&a->moments, xyz, count);
+	mp_fingerprint_add_floats(&a->fingerprint, xyz, count);
+	a->degenerate += mp_collinear_count_floats(xyz, count);
+	a->edges = a->edges || has_edges_floats(xyz, count);
 	return 0;
 }
 
@@ -166,7 +200,8 @@ struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_
 	mp_moments_begin(&a->moments);
 	a->streamed = request->checks == MP_CHECKS_CLOSED;
 	if (a->streamed) {
-		a->sink = (struct mp_sink){.block = stream_block, .self = a};
+		a->sink =
+		    (struct mp_sink){.block = stream_block, .floats = stream_floats, .self = a};
 		a->request.limits.max_triangles = MP_FINGERPRINT_MOST;
 		mp_fingerprint_begin(&a->fingerprint, request->key);
 	} else if ((a->vertices = mp_vertices_new(request->key, err)) == NULL) {

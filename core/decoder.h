@@ -57,6 +57,11 @@ struct mp_sink {
 	/* As part(), but of the object alone (OBJ o), whatever groups it has.  May be NULL. */
 	int (*object)(void *self, uint64_t first, const char *name, size_t len,
 		      struct mp_error *err);
+	/*
+	 * The same as block(), for files of float32 (binary STL), which call it instead unless it
+	 * is NULL: coordinate k of triangle i is xyz[k][i], as it lies in the file.
+	 */
+	int (*floats)(void *self, const float (*xyz)[MP_BLOCK], size_t count, struct mp_error *err);
 };
 
 enum { MP_NAME_MAX = 255 };

@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-#include "core/decoder.h"
 #include "core/fingerprint/fingerprint_kernel.h"
 
 _Static_assert((int)MP_BLOCK <= (int)MP_AES_BLOCKS,
@@ -121,6 +120,11 @@ void mp_fingerprint_begin(struct mp_fingerprint *f, const uint8_t key[16])
 void mp_fingerprint_add(struct mp_fingerprint *f, const double (*tri)[9], size_t count)
 {
 	f->kernel->add(f->key, tri, count, f->sum);
+}
+
+void mp_fingerprint_add_floats(struct mp_fingerprint *f, const float (*xyz)[MP_BLOCK], size_t count)
+{
+	f->kernel->add_floats(f->key, xyz, count, f->sum);
 }
 
 bool mp_fingerprint_closed(const struct mp_fingerprint *f)

@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/decoder.h"
 #include "core/fingerprint/aes.h"
 
 /*
@@ -49,6 +50,7 @@ void mp_fingerprint_begin(struct mp_fingerprint *, const uint8_t key[16]);
 
 /* Add ${count} <= MP_BLOCK triangles of finite coordinates (struct mp_sink's form). */
 void mp_fingerprint_add(struct mp_fingerprint *, const double (*tri)[9], size_t count);
+void mp_fingerprint_add_floats(struct mp_fingerprint *, const float (*xyz)[MP_BLOCK], size_t count);
 
 /* Closed and consistently oriented, but for the probability above? */
 bool mp_fingerprint_closed(const struct mp_fingerprint *);

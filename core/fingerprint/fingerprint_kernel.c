@@ -10,6 +10,23 @@ static void add_portable(const struct mp_aes key[2], const double (*tri)[9], siz
 	mp_fingerprint_plain(&portable, key, tri, count, sum);
 }
 
+/* Triangles ${from} and above as doubles. */
+static void widen(const float (*xyz)[MP_BLOCK], size_t from, size_t count, double (*tri)[9])
+{
+	for (size_t i = 0; i < count; i++)
+		for (size_t k = 0; k < 9; k++)
+			tri[i][k] = (double)xyz[k][from + i];
+}
+
+static void add_portable_floats(const struct mp_aes key[2], const float (*xyz)[MP_BLOCK],
+				size_t count, uint64_t sum[2])
+{
+	double tri[MP_BLOCK][9];
+
+	widen(xyz, 0, count, tri);
+	add_portable(key, (const double(*)[9])tri, count, sum);
+}
+
 #if defined(__x86_64__) && defined(__GNUC__)
 
 #include <cpuid.h>
@@ -127,6 +144,38 @@ AESNI static void add_aesni(const struct mp_aes key[2], const double (*tri)[9], 
 		mp_fingerprint_plain(&aesni, key, tri + whole, count - whole, sum);
 }
 
+AESNI static void add_aesni_floats(const struct mp_aes key[2], const float (*xyz)[MP_BLOCK],
+				   size_t count, uint64_t sum[2])
+{
+	const __m128 tag = _mm_castsi128_ps(_mm_set1_epi32(-1)), zero = _mm_setzero_ps();
+	__m128i s[2] = {_mm_setzero_si128(), _mm_setzero_si128()};
+	size_t whole = count - count % IN_FOUR;
+	double rest[IN_FOUR][9];
+
+	for (size_t i = 0; i < whole; i += IN_FOUR) {
+		__m128i in[FLOATS];
+
+		for (size_t k = 0; k < 3; k++) { /* corner k of four triangles */
+			__m128 a = _mm_add_ps(_mm_loadu_ps(xyz[3 * k] + i), zero);
+			__m128 b = _mm_add_ps(_mm_loadu_ps(xyz[3 * k + 1] + i), zero);
+			__m128 c = _mm_add_ps(_mm_loadu_ps(xyz[3 * k + 2] + i), zero);
+			__m128 d = tag;
+
+			_MM_TRANSPOSE4_PS(a, b, c, d);
+			in[k] = _mm_castps_si128(a);
+			in[k + 3] = _mm_castps_si128(b);
+			in[k + 6] = _mm_castps_si128(c);
+			in[k + 9] = _mm_castps_si128(d);
+		}
+		for (int lane = 0; lane < 2; lane++)
+			s[lane] = _mm_add_epi64(s[lane], four_aesni(&key[lane], in));
+	}
+	finish_aesni(s[0], &sum[0]);
+	finish_aesni(s[1], &sum[1]);
+	widen(xyz, whole, count - whole, rest);
+	mp_fingerprint_plain(&aesni, key, (const double(*)[9])rest, count - whole, sum);
+}
+
 /* Corner at ${k} doubles of four triangles, a block each. */
 VAES INLINE __m512i corners_vaes(const double (*tri)[9], int k, __m512i *odd)
 {
@@ -207,8 +256,55 @@ VAES static void add_vaes(const struct mp_aes key[2], const double (*tri)[9], si
 		add_aesni(key, tri + whole, count - whole, sum);
 }
 
+/* Corner ${k} of sixteen triangles, which come apart four by four: 0, 4, 8, 12; 1, 5, 9, 13; ... */
+VAES INLINE void corners_floats(const float (*xyz)[MP_BLOCK], size_t at, int k, __m512i out[4])
+{
+	const __m512 zero = _mm512_setzero_ps();
+	const __m512 tag = _mm512_castsi512_ps(_mm512_set1_epi32(-1));
+	__m512 x = _mm512_add_ps(_mm512_loadu_ps(xyz[3 * k] + at), zero); /* -0 becomes 0 */
+	__m512 y = _mm512_add_ps(_mm512_loadu_ps(xyz[3 * k + 1] + at), zero);
+	__m512 z = _mm512_add_ps(_mm512_loadu_ps(xyz[3 * k + 2] + at), zero);
+	__m512d xy = _mm512_castps_pd(_mm512_unpacklo_ps(x, y));
+	__m512d zt = _mm512_castps_pd(_mm512_unpacklo_ps(z, tag));
+
+	out[0] = _mm512_castpd_si512(_mm512_unpacklo_pd(xy, zt));
+	out[1] = _mm512_castpd_si512(_mm512_unpackhi_pd(xy, zt));
+	xy = _mm512_castps_pd(_mm512_unpackhi_ps(x, y));
+	zt = _mm512_castps_pd(_mm512_unpackhi_ps(z, tag));
+	out[2] = _mm512_castpd_si512(_mm512_unpacklo_pd(xy, zt));
+	out[3] = _mm512_castpd_si512(_mm512_unpackhi_pd(xy, zt));
+}
+
+VAES static void add_vaes_floats(const struct mp_aes key[2], const float (*xyz)[MP_BLOCK],
+				 size_t count, uint64_t sum[2])
+{
+	__m512i s[2] = {_mm512_setzero_si512(), _mm512_setzero_si512()};
+	size_t whole = count - count % 16;
+	double rest[16][9];
+
+	for (size_t i = 0; i < whole; i += 16) {
+		__m512i corner[3][4];
+
+		for (int k = 0; k < 3; k++)
+			corners_floats(xyz, i, k, corner[k]);
+		for (int j = 0; j < 4; j += 2) {
+			const __m512i in[6] = {corner[0][j],     corner[1][j],
+					       corner[2][j],     corner[0][j + 1],
+					       corner[1][j + 1], corner[2][j + 1]};
+
+			eight_vaes(key, in, s);
+		}
+	}
+	finish_vaes(s[0], &sum[0]);
+	finish_vaes(s[1], &sum[1]);
+	widen(xyz, whole, count - whole, rest);
+	add_aesni(key, (const double(*)[9])rest, count - whole, sum);
+}
+
 static const struct mp_fingerprint_kernel KERNELS[] = {
-    {"portable", add_portable}, {"aesni", add_aesni}, {"vaes", add_vaes}};
+    {"portable", add_portable, add_portable_floats},
+    {"aesni", add_aesni, add_aesni_floats},
+    {"vaes", add_vaes, add_vaes_floats}};
 
 /* Not every compiler knows its name. */
 static bool has_vaes(void)
@@ -227,7 +323,8 @@ size_t mp_fingerprint_kernels(void)
 	return has_vaes() ? 3 : 2;
 }
 #else
-static const struct mp_fingerprint_kernel KERNELS[] = {{"portable", add_portable}};
+static const struct mp_fingerprint_kernel KERNELS[] = {
+    {"portable", add_portable, add_portable_floats}};
 
 size_t mp_fingerprint_kernels(void)
 {

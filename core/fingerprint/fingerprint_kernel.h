@@ -1,6 +1,7 @@
 #ifndef MP_FINGERPRINT_KERNEL_H
 #define MP_FINGERPRINT_KERNEL_H
 
+#include "core/decoder.h"
 #include "core/fingerprint/fingerprint.h"
 
 /* The sums over a block of triangles, in copies for what the processor can do; all of them compute
@@ -10,6 +11,9 @@ struct mp_fingerprint_kernel {
 	/* Add ${count} <= MP_BLOCK triangles to the sums of both keys. */
 	void (*add)(const struct mp_aes key[2], const double (*tri)[9], size_t count,
 		    uint64_t sum[2]);
+	/* The same of coordinates that are floats, xyz[k][i] being that of tri[i][k]. */
+	void (*add_floats)(const struct mp_aes key[2], const float (*xyz)[MP_BLOCK], size_t count,
+			   uint64_t sum[2]);
 };
 
 /* The kernels that this machine can run, the portable one first, the best one last. */

@@ -3,6 +3,8 @@
 
 #include <stddef.h>
 
+#include "core/decoder.h"
+
 /*
  * Signs that are never wrong: a floating-point filter first, exact arithmetic where it cannot
  * decide (Shewchuk 1997, doi:10.1007/PL00009321; GMP rationals as the last resort).  Arguments are
@@ -31,5 +33,10 @@ int mp_collinear(const double a[3], const double b[3], const double c[3]);
 
 /* How many of ${count} triangles (struct mp_sink's form) have their corners on one line. */
 size_t mp_collinear_count(const double (*tri)[9], size_t count);
+size_t mp_collinear_count_floats(const float (*xyz)[MP_BLOCK], size_t count);
+
+/* The same by one of the kernels that this machine can run: 0 the plain one, the best one last. */
+size_t mp_collinear_kernels(void);
+size_t mp_collinear_count_with(size_t kernel, const float (*xyz)[MP_BLOCK], size_t count);
 
 #endif

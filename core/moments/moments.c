@@ -118,17 +118,16 @@ static void start(struct mp_moments *m, const double first[9])
 	memcpy(m->max, first, sizeof m->max);
 }
 
-void mp_moments_add_with(struct mp_moments *m, const double (*tri)[9], size_t count,
-			 const struct mp_kernel *kernel)
+/* A block in one of its two forms, the other one NULL; ${first} is its first triangle. */
+static void add_block(struct mp_moments *m, const double first[9], const double (*tri)[9],
+		      const float (*xyz)[MP_BLOCK], size_t count, const struct mp_kernel *kernel)
 {
 	double min[3][MP_LANES], max[3][MP_LANES];
 	double widest = larger(larger(m->scale[0], m->scale[1]), m->scale[2]);
 	struct mp_lanes lanes = {0};
 	struct mp_frame frame;
 
-	if (count == 0)
-		return;
-	start(m, tri[0]);
+	start(m, first);
 	for (int k = 0; k < 3; k++) {
 		frame.scale[k] = m->scale[k];
 		frame.origin[k] = m->reference[k] * m->scale[k];
@@ -138,7 +137,10 @@ void mp_moments_add_with(struct mp_moments *m, const double (*tri)[9], size_t co
 			max[k][j] = m->max[k];
 		}
 	}
-	kernel->add(&lanes, min, max, &frame, tri, count);
+	if (xyz != NULL)
+		kernel->add_floats(&lanes, min, max, &frame, xyz, count);
+	else
+		kernel->add(&lanes, min, max, &frame, tri, count);
 	add_lanes(m, &lanes);
 	for (int i = 0; i < 3 * MP_LANES; i++) { /* + 0.0 makes 0 of -0 */
 		int k = i / MP_LANES, j = i % MP_LANES;
@@ -148,6 +150,30 @@ void mp_moments_add_with(struct mp_moments *m, const double (*tri)[9], size_t co
 	}
 	m->triangles += count;
 	m->blocks++;
+}
+
+void mp_moments_add_with(struct mp_moments *m, const double (*tri)[9], size_t count,
+			 const struct mp_kernel *kernel)
+{
+	if (count > 0)
+		add_block(m, tri[0], tri, NULL, count, kernel);
+}
+
+void mp_moments_add_floats_with(struct mp_moments *m, const float (*xyz)[MP_BLOCK], size_t count,
+				const struct mp_kernel *kernel)
+{
+	double first[9];
+
+	if (count == 0)
+		return;
+	for (int k = 0; k < 9; k++)
+		first[k] = (double)xyz[k][0];
+	add_block(m, first, NULL, xyz, count, kernel);
+}
+
+void mp_moments_add_floats(struct mp_moments *m, const float (*xyz)[MP_BLOCK], size_t count)
+{
+	mp_moments_add_floats_with(m, xyz, count, mp_kernel_get(mp_kernel_count() - 1));
 }
 
 void mp_moments_add(struct mp_moments *m, const double (*tri)[9], size_t count)

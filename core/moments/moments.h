@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/decoder.h"
 #include "core/moments/ball.h"
 
 /*
@@ -48,6 +49,7 @@ void mp_moments_begin_again(struct mp_moments *, const struct mp_moments *first)
 
 /* Add ${count} <= MP_BLOCK triangles as one block (struct mp_sink's form).  Cannot fail. */
 void mp_moments_add(struct mp_moments *, const double (*tri)[9], size_t count);
+void mp_moments_add_floats(struct mp_moments *, const float (*xyz)[MP_BLOCK], size_t count);
 
 /* As though every triangle had been wound the other way. */
 void mp_moments_flip(struct mp_moments *);

@@ -100,26 +100,39 @@ INLINE void add_group(struct mp_lanes *restrict l, double (*restrict v)[LANES],
 	}
 }
 
+struct source { /* one of the two */
+	const double (*tri)[9];
+	const float (*xyz)[MP_BLOCK];
+};
+
 /* Eight triangles side by side. */
-INLINE void transpose(const double (*restrict tri)[9], double (*restrict v)[LANES])
+INLINE void load(const struct source *from, size_t at, double (*restrict v)[LANES])
 {
-	for (int j = 0; j < LANES; j++)
+	if (from->xyz != NULL)
 		for (int i = 0; i < 9; i++)
-			v[i][j] = tri[j][i];
+			for (int j = 0; j < LANES; j++)
+				v[i][j] = (double)from->xyz[i][at + (size_t)j];
+	else
+		for (int j = 0; j < LANES; j++)
+			for (int i = 0; i < 9; i++)
+				v[i][j] = from->tri[at + (size_t)j][i];
 }
 
 /* What is left of a block, filled up with a point of the mesh, which adds 0 to every sum. */
-INLINE void transpose_rest(const double (*tri)[9], size_t count, double (*v)[LANES])
+INLINE void load_rest(const struct source *from, size_t at, size_t count, double (*v)[LANES])
 {
 	for (size_t j = 0; j < LANES; j++)
-		for (size_t i = 0; i < 9; i++)
-			v[i][j] = j < count ? tri[j][i] : tri[0][i % 3];
+		for (size_t i = 0; i < 9; i++) {
+			size_t k = j < count ? i : i % 3, t = j < count ? at + j : at;
+
+			v[i][j] = from->xyz != NULL ? (double)from->xyz[k][t] : from->tri[t][k];
+		}
 }
 
 /* Rounds of 64 triangles apiece, so that no chain of additions is long. */
 INLINE void add_all(struct mp_lanes *restrict sums, double (*restrict min)[LANES],
 		    double (*restrict max)[LANES], const struct mp_frame *frame,
-		    const double (*tri)[9], size_t count)
+		    const struct source *from, size_t count)
 {
 	enum { WIDTH = sizeof *sums / sizeof(double) };
 	struct mp_frame f = *frame;
@@ -133,9 +146,9 @@ INLINE void add_all(struct mp_lanes *restrict sums, double (*restrict min)[LANES
 
 		for (size_t at = round; at < end; at += LANES) {
 			if (end - at >= LANES)
-				transpose(tri + at, v);
+				load(from, at, v);
 			else
-				transpose_rest(tri + at, end - at, v);
+				load_rest(from, at, end - at, v);
 			add_box(min, max, v, f.scale);
 			add_group(&l, v, f.origin, f.weight);
 		}
@@ -144,12 +157,22 @@ INLINE void add_all(struct mp_lanes *restrict sums, double (*restrict min)[LANES
 	}
 }
 
-#define KERNEL(name, features)                                                        \
-	features static void name(struct mp_lanes *sums, double min[3][LANES],        \
-				  double max[3][LANES], const struct mp_frame *frame, \
-				  const double(*tri)[9], size_t count)                \
-	{                                                                             \
-		add_all(sums, min, max, frame, tri, count);                           \
+#define KERNEL(name, features)                                                                 \
+	features static void name(struct mp_lanes *sums, double min[3][LANES],                 \
+				  double max[3][LANES], const struct mp_frame *frame,          \
+				  const double(*tri)[9], size_t count)                         \
+	{                                                                                      \
+		const struct source from = {.tri = tri};                                       \
+                                                                                               \
+		add_all(sums, min, max, frame, &from, count);                                  \
+	}                                                                                      \
+	features static void name##_floats(struct mp_lanes *sums, double min[3][LANES],        \
+					   double max[3][LANES], const struct mp_frame *frame, \
+					   const float(*xyz)[MP_BLOCK], size_t count)          \
+	{                                                                                      \
+		const struct source from = {.xyz = xyz};                                       \
+                                                                                               \
+		add_all(sums, min, max, frame, &from, count);                                  \
 	}
 
 KERNEL(add_plain, )
@@ -162,8 +185,9 @@ KERNEL(add_avx512, __attribute__((target("avx512f"))))
 KERNEL(add_avx512, __attribute__((target("avx512f,prefer-vector-width=512"))))
 #endif
 
-static const struct mp_kernel KERNELS[] = {
-    {"plain", add_plain}, {"avx2", add_avx2}, {"avx512", add_avx512}};
+static const struct mp_kernel KERNELS[] = {{"plain", add_plain, add_plain_floats},
+					   {"avx2", add_avx2, add_avx2_floats},
+					   {"avx512", add_avx512, add_avx512_floats}};
 
 size_t mp_kernel_count(void)
 {
@@ -172,7 +196,7 @@ size_t mp_kernel_count(void)
 	return __builtin_cpu_supports("avx512f") ? 3 : 2;
 }
 #else
-static const struct mp_kernel KERNELS[] = {{"plain", add_plain}};
+static const struct mp_kernel KERNELS[] = {{"plain", add_plain, add_plain_floats}};
 
 size_t mp_kernel_count(void)
 {

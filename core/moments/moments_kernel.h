@@ -3,6 +3,8 @@
 
 #include <stddef.h>
 
+#include "core/decoder.h"
+
 /*
  * The inner loop of the moment sums, in copies for what the processor can do.  Eight lanes side by
  * side: lane j takes triangles j, j + 8, ...  Every copy does the same operations in the same
@@ -31,6 +33,10 @@ struct mp_kernel {
 	 */
 	void (*add)(struct mp_lanes *sums, double min[3][MP_LANES], double max[3][MP_LANES],
 		    const struct mp_frame *frame, const double (*tri)[9], size_t count);
+	/* The same of coordinates that are floats, xyz[k][i] being that of tri[i][k]. */
+	void (*add_floats)(struct mp_lanes *sums, double min[3][MP_LANES], double max[3][MP_LANES],
+			   const struct mp_frame *frame, const float (*xyz)[MP_BLOCK],
+			   size_t count);
 };
 
 /* The kernels that this machine can run, the plain one first, the best one last. */
@@ -42,5 +48,7 @@ struct mp_moments;
 /* mp_moments_add() with a kernel of one's choice, for tests and benchmarks. */
 void mp_moments_add_with(struct mp_moments *, const double (*tri)[9], size_t count,
 			 const struct mp_kernel *kernel);
+void mp_moments_add_floats_with(struct mp_moments *, const float (*xyz)[MP_BLOCK], size_t count,
+				const struct mp_kernel *kernel);
 
 #endif

@@ -18,6 +18,7 @@ static int stl_begin(void **state, const struct mp_sink *sink, const struct mp_l
 	s->kind = STL_UNDECIDED;
 	s->at = 0;
 	s->count = 0;
+	s->kernel = stl_columns_kernels() - 1;
 	s->window_len = 0;
 	return 0;
 }
@@ -29,6 +30,9 @@ int stl_flush(struct stl *s, struct mp_error *err)
 	s->count = 0;
 	if (count == 0)
 		return 0;
+	if (s->kind == STL_BINARY && s->sink->floats != NULL)
+		return s->sink->floats(s->sink->self,
+				       (const float(*)[MP_BLOCK])(s->columns.row + 3), count, err);
 	return s->sink->block(s->sink->self, (const double(*)[9])s->block, count, err);
 }
 

@@ -75,12 +75,31 @@ static bool is_finite(const uint8_t *facet)
 	return bad >> 31 == 0;
 }
 
+/* ${count} facets into the block, which has room for them. */
+static void read_doubles(struct stl *s, const uint8_t *p, uint64_t count,
+			 struct stl_columns_seen *seen)
+{
+	struct mp_notes notes = {.triangles = 0}; /* in registers */
+	uint32_t bad[12] = {0}, any = 0;
+
+	for (uint64_t i = 0; i < count; i++) {
+		double *tri = s->block[s->count + i], normal[3];
+
+		convert(p + i * STL_FACET, tri, normal, bad);
+		stl_check_normal(&notes, tri, normal);
+	}
+	for (size_t k = 3; k < 12; k++)
+		any |= bad[k];
+	seen->not_finite = any >> 31 != 0;
+	seen->normals_disagreeing = notes.normals_disagreeing;
+	seen->normals_not_finite = notes.normals_not_finite;
+}
+
 /* Up to ${count} facets, as many as the block has room for; the number read, < 0 on failure. */
 static int64_t take(struct stl *s, const uint8_t *p, uint64_t count, struct mp_error *err)
 {
 	uint64_t room = s->limits->max_triangles - s->notes->triangles;
-	struct mp_notes seen = {.triangles = 0}; /* in registers */
-	uint32_t bad[12] = {0}, any = 0;
+	struct stl_columns_seen seen;
 
 	if (room == 0)
 		return fail_limit(s, err);
@@ -88,15 +107,11 @@ static int64_t take(struct stl *s, const uint8_t *p, uint64_t count, struct mp_e
 		count = room;
 	if (count > MP_BLOCK - s->count)
 		count = MP_BLOCK - s->count;
-	for (uint64_t i = 0; i < count; i++) {
-		double *tri = s->block[s->count + i], normal[3];
-
-		convert(p + i * STL_FACET, tri, normal, bad);
-		stl_check_normal(&seen, tri, normal);
-	}
-	for (size_t k = 3; k < 12; k++)
-		any |= bad[k];
-	while (any >> 31 != 0) { /* one of them: which? */
+	if (s->sink->floats != NULL)
+		stl_columns_read(s->kernel, &s->columns, s->count, p, (size_t)count, &seen);
+	else
+		read_doubles(s, p, count, &seen);
+	while (seen.not_finite) { /* one of them: which? */
 		if (!is_finite(p))
 			return fail_not_finite(s, p, err);
 		s->binary.done++;

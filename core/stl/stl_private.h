@@ -6,6 +6,7 @@
 
 #include "core/decoder.h"
 #include "core/number/number_private.h"
+#include "core/stl/stl_kernel.h"
 
 /*
  * Which of the two formats a file is, is decided once, from its first STL_WINDOW bytes or from
@@ -99,6 +100,8 @@ struct stl {
 	uint64_t at;  /* offset in the file of the chunk being pushed */
 	size_t count; /* triangles in ${block} */
 	double block[MP_BLOCK][9];
+	struct stl_columns columns; /* instead of ${block}, for a sink of floats */
+	size_t kernel;
 	size_t window_len;
 	uint8_t window[STL_WINDOW];
 	struct stl_binary binary;

@@ -56,6 +56,17 @@ static inline void decode(size_t len)
 	assert_false(whole.wrong);
 }
 
+/* What ${whole} says is said in pieces of ${step} as well, and to a sink of floats. */
+static inline void check_alike(size_t len, size_t first, size_t step)
+{
+	for (int floats = 0; floats < 2; floats++) {
+		other.floats = floats != 0;
+		seen_decode(&other, file, len, first, step, roomy);
+		assert_true(seen_same(&whole, &other));
+	}
+	other.floats = false;
+}
+
 static inline void check_accepted(size_t len, size_t triangles)
 {
 	decode(len);
@@ -63,8 +74,8 @@ static inline void check_accepted(size_t len, size_t triangles)
 		fail_msg("refused: %s", whole.err.text);
 	assert_int_equal(whole.count, triangles);
 	assert_int_equal(whole.notes.format, MP_FORMAT_STL_BINARY);
-	seen_decode(&other, file, len, 1, 3, roomy);
-	assert_true(seen_same(&whole, &other));
+	check_alike(len, 1, 3);
+	check_alike(len, all, all);
 }
 
 static inline void check_refused(size_t len, enum mp_code code, uint64_t byte, const char *word)
@@ -74,10 +85,9 @@ static inline void check_refused(size_t len, enum mp_code code, uint64_t byte, c
 	    strstr(whole.err.text, word) == NULL)
 		fail_msg("%zu bytes: %d, code %d, byte %llu: %s", len, whole.ret, whole.err.code,
 			 (unsigned long long)whole.err.byte, whole.err.text);
-	for (size_t step = 1; step < 80; step += 13) {
-		seen_decode(&other, file, len, step, step, roomy);
-		assert_true(seen_same(&whole, &other));
-	}
+	for (size_t step = 1; step < 80; step += 13)
+		check_alike(len, step, step);
+	check_alike(len, all, all);
 }
 
 #endif

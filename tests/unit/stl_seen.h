@@ -25,6 +25,7 @@ struct seen {
 	char parts[512];  /* "first:name;" of every part */
 	uint64_t fail_at; /* the sink refuses the block with this triangle; 0 = never */
 	bool fail_part;
+	bool floats; /* ask for the triangles as floats, where the format has them */
 };
 
 static inline void seen_hash(struct seen *s, const void *bytes, size_t len)
@@ -51,6 +52,17 @@ static inline int seen_block(void *self, const double (*tri)[9], size_t count, s
 	return 0;
 }
 
+static inline int seen_floats(void *self, const float (*xyz)[MP_BLOCK], size_t count,
+			      struct mp_error *err)
+{
+	static double tri[MP_BLOCK][9];
+
+	for (size_t i = 0; i < count && count <= MP_BLOCK; i++)
+		for (size_t k = 0; k < 9; k++)
+			tri[i][k] = (double)xyz[k][i];
+	return seen_block(self, (const double(*)[9])tri, count, err);
+}
+
 static inline int seen_part(void *self, uint64_t first, const char *name, size_t len,
 			    struct mp_error *err)
 {
@@ -70,10 +82,13 @@ static inline int seen_part(void *self, uint64_t first, const char *name, size_t
 static inline void seen_decode(struct seen *s, const void *bytes, size_t len, size_t first,
 			       size_t step, uint64_t most)
 {
-	const struct mp_sink sink = {.block = seen_block, .part = seen_part, .self = s};
+	const struct mp_sink sink = {.block = seen_block,
+				     .part = seen_part,
+				     .self = s,
+				     .floats = s->floats ? seen_floats : NULL};
 	const struct mp_limits limits = {most};
 	uint64_t fail_at = s->fail_at;
-	bool fail_part = s->fail_part;
+	bool fail_part = s->fail_part, floats = s->floats;
 	size_t at = 0, n = first;
 	void *state = NULL;
 
@@ -81,6 +96,7 @@ static inline void seen_decode(struct seen *s, const void *bytes, size_t len, si
 	memset(&s->count, 0, sizeof *s - offsetof(struct seen, count));
 	s->fail_at = fail_at;
 	s->fail_part = fail_part;
+	s->floats = floats;
 	s->ret = mp_stl_decoder.begin(&state, &sink, &limits, &s->notes, &s->err);
 	while (s->ret == 0 && at < len) {
 		uint8_t *chunk;

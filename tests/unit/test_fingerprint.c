@@ -93,6 +93,8 @@ static double coordinate(uint64_t *state, unsigned kind)
 		return ODD[random_bits(state) % (sizeof ODD / sizeof *ODD)];
 	if (kind == 1 && random_chance(state, 0.1))
 		return x;
+	if (kind == 0 && random_chance(state, 0.1))
+		f = random_chance(state, 0.5) ? -0.0f : 0x1p-149f;
 	memcpy(&bits, &f, sizeof bits); /* no shortcut from double to double */
 	memcpy(&f, &bits, sizeof f);
 	return (double)f;
@@ -106,6 +108,34 @@ static double (*block(uint64_t *state, unsigned kind, size_t count))[9]
 	for (size_t i = 0; i < 9 * count; i++)
 		tri[i / 9][i % 9] = coordinate(state, kind);
 	return tri;
+}
+
+/* Triangles of floats have the same sums in both forms. */
+static void check_floats(const struct mp_fingerprint *f, const double (*tri)[9], size_t count)
+{
+	float(*xyz)[MP_BLOCK] = malloc(9 * sizeof *xyz);
+	struct mp_fingerprint best = *f;
+	uint64_t want[2] = {7, 8};
+
+	assert_non_null(xyz);
+	for (size_t i = 0; i < count; i++)
+		for (size_t k = 0; k < 9; k++) {
+			xyz[k][i] = (float)tri[i][k];
+			assert_true((double)xyz[k][i] == tri[i][k]);
+		}
+	mp_fingerprint_kernel(0)->add(f->key, tri, count, want);
+	for (size_t k = 0; k < mp_fingerprint_kernels(); k++) {
+		uint64_t sum[2] = {7, 8};
+
+		mp_fingerprint_kernel(k)->add_floats(f->key, (const float(*)[MP_BLOCK])xyz, count,
+						     sum);
+		assert_memory_equal(sum, want, sizeof sum);
+	}
+	best.sum[0] = 7;
+	best.sum[1] = 8;
+	mp_fingerprint_add_floats(&best, (const float(*)[MP_BLOCK])xyz, count);
+	assert_memory_equal(best.sum, want, sizeof want);
+	free(xyz);
 }
 
 static void test_all_kernels_compute_the_same(void **unused)
@@ -131,6 +161,8 @@ static void test_all_kernels_compute_the_same(void **unused)
 			mp_fingerprint_kernel(k)->add(f.key, (const double(*)[9])tri, count, sum);
 			assert_memory_equal(sum, want, sizeof sum);
 		}
+		if (i % 3 == 0)
+			check_floats(&f, (const double(*)[9])tri, count);
 		memcpy(f.sum, best, sizeof best);
 		mp_fingerprint_add(&f, (const double(*)[9])tri, count);
 		assert_memory_equal(f.sum, want, sizeof want);

@@ -34,6 +34,34 @@ static struct mp_moments sums(const struct mesh *mesh, const struct mp_kernel *k
 	return m;
 }
 
+/* The same of floats. */
+static struct mp_moments float_sums(const struct mesh *mesh, const struct mp_kernel *kernel,
+				    size_t block, const struct mp_moments *first)
+{
+	struct mp_moments m;
+
+	if (first == NULL)
+		mp_moments_begin(&m);
+	else
+		mp_moments_begin_again(&m, first);
+	for (size_t at = 0; at < mesh->count; at += block) {
+		size_t count = mesh->count - at < block ? mesh->count - at : block;
+		float(*xyz)[MP_BLOCK] = malloc(9 * sizeof *xyz);
+
+		assert_non_null(xyz);
+		for (size_t i = 0; i < count; i++)
+			for (size_t k = 0; k < 9; k++)
+				xyz[k][i] = (float)mesh->tri[at + i][k];
+		if (kernel != NULL)
+			mp_moments_add_floats_with(&m, (const float(*)[MP_BLOCK])xyz, count,
+						   kernel);
+		else
+			mp_moments_add_floats(&m, (const float(*)[MP_BLOCK])xyz, count);
+		free(xyz);
+	}
+	return m;
+}
+
 static void assert_same(const struct mp_moments *a, const struct mp_moments *b, const char *kernel)
 {
 	const size_t first = offsetof(struct mp_moments, a0);
@@ -48,6 +76,7 @@ static void test_all_kernels_give_the_same_bits(void **unused)
 {
 	static const size_t BLOCK[] = {1, 7, 8, 9, 63, 64, 65, 255, 256};
 	uint64_t state = 5;
+	unsigned narrow = 0;
 
 	(void)unused;
 	print_message("# kernels:");
@@ -70,8 +99,18 @@ static void test_all_kernels_give_the_same_bits(void **unused)
 			m = sums(&r.mesh, kernel, block, &plain);
 			assert_same(&m, &again, kernel->name);
 		}
+		for (size_t k = 0; r.narrow && k < mp_kernel_count(); k++) {
+			const struct mp_kernel *kernel = mp_kernel_get(k);
+			struct mp_moments m = float_sums(&r.mesh, kernel, block, NULL);
+
+			assert_same(&m, &plain, kernel->name);
+			m = float_sums(&r.mesh, kernel, block, &plain);
+			assert_same(&m, &again, kernel->name);
+			narrow++;
+		}
 		mesh_free(&r.mesh);
 	}
+	assert_true(narrow > 30);
 }
 
 /* What mp_moments_add() takes is one of them. */
@@ -79,7 +118,7 @@ static void test_the_best_kernel_is_used(void **unused)
 {
 	uint64_t state = 6;
 	struct random_mesh r;
-	struct mp_moments m, best;
+	struct mp_moments m, best, floats;
 	size_t count;
 
 	(void)unused;
@@ -90,6 +129,13 @@ static void test_the_best_kernel_is_used(void **unused)
 	r.mesh.count = count;
 	best = sums(&r.mesh, mp_kernel_get(mp_kernel_count() - 1), 256, NULL);
 	assert_same(&m, &best, "best");
+	while (!r.narrow) {
+		mesh_free(&r.mesh);
+		mesh_random(&r, &state);
+	}
+	best = sums(&r.mesh, mp_kernel_get(0), 256, NULL);
+	floats = float_sums(&r.mesh, NULL, 256, NULL);
+	assert_same(&floats, &best, "best of floats");
 	assert_int_equal(m.blocks, 1);
 	assert_int_equal(m.triangles, count);
 	mesh_free(&r.mesh);

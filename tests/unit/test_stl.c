@@ -8,6 +8,9 @@
 #include <math.h>
 
 #include "alloc_fail.h"
+#include "core/stl/stl_kernel.h"
+#include "core/stl/stl_private.h"
+#include "mesh_random.h"
 #include "stl_binary_file.h"
 
 /* Binary STL.  Telling it from text: test_stl_sniff.c; text: test_stl_ascii.c. */
@@ -260,9 +263,44 @@ static void a_failed_allocation_is_an_error(void **state)
 	assert_int_equal(whole.ret, 0);
 }
 
+/* Facets of random bits, in every number and from every column on: no byte more is read. */
+static void all_kernels_read_the_same_columns(void **unused)
+{
+	uint64_t state = 8;
+
+	(void)unused;
+	for (size_t i = 0; i < 2000; i++) {
+		size_t at = random_bits(&state) % MP_BLOCK;
+		size_t count = 1 + random_bits(&state) % (MP_BLOCK - at);
+		uint8_t *p = malloc(count * STL_FACET);
+		struct stl_columns want = {{{0}}};
+		struct stl_columns_seen seen;
+
+		assert_non_null(p);
+		for (size_t k = 0; k < count * STL_FACET; k++)
+			p[k] = (uint8_t)random_bits(&state);
+		for (size_t k = 0; i % 4 != 0 && k < count * 12; k++) /* 0x40: a small number */
+			p[k / 12 * STL_FACET + 4 * (k % 12) + 3] =
+			    random_bits(&state) % 2 ? 0x40 : 0xc0;
+		stl_columns_read(0, &want, at, p, count, &seen);
+		for (size_t k = 1; k < stl_columns_kernels(); k++) {
+			struct stl_columns got = {{{0}}};
+			struct stl_columns_seen other_seen;
+
+			stl_columns_read(k, &got, at, p, count, &other_seen);
+			assert_memory_equal(&got, &want, sizeof want);
+			assert_int_equal(other_seen.not_finite, seen.not_finite);
+			assert_int_equal(other_seen.normals_disagreeing, seen.normals_disagreeing);
+			assert_int_equal(other_seen.normals_not_finite, seen.normals_not_finite);
+		}
+		free(p);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(all_kernels_read_the_same_columns),
 	    cmocka_unit_test(reads_what_was_written),
 	    cmocka_unit_test(floats_are_little_endian_and_exact),
 	    cmocka_unit_test(blocks_are_full_but_for_the_last),

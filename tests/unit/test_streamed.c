@@ -463,9 +463,45 @@ static void test_collinear_triangles_are_counted_exactly(void **unused)
 	}
 }
 
+/* Triangles of floats: every third on a line, some nearly so, in blocks of every size. */
+static void test_all_kernels_count_the_same_collinear_triangles(void **unused)
+{
+	uint64_t state = 15;
+
+	(void)unused;
+	for (size_t i = 0; i < 2000; i++) {
+		size_t count = i < 30 ? i : random_bits(&state) % (MP_BLOCK + 1), want = 0;
+		float(*xyz)[MP_BLOCK] = malloc(9 * sizeof *xyz);
+		int exponent = (int)(random_bits(&state) % 240) - 130;
+		double chance = i % 2 == 0 ? 0.01 : 0.3;
+
+		assert_non_null(xyz);
+		for (size_t t = 0; t < count; t++) {
+			double p[9];
+
+			for (size_t k = 0; k < 9; k++)
+				p[k] = (double)(int)(random_bits(&state) % 64);
+			for (size_t k = 0; k < 3 && random_chance(&state, chance); k++)
+				p[6 + k] = 2 * p[3 + k] - p[k];
+			for (size_t k = 0; k < 9; k++) {
+				xyz[k][t] = (float)ldexp(p[k], exponent);
+				p[k] = (double)xyz[k][t];
+			}
+			want += (size_t)mp_collinear(p, p + 3, p + 6);
+		}
+		for (size_t k = 0; k < mp_collinear_kernels(); k++)
+			assert_int_equal(
+			    mp_collinear_count_with(k, (const float(*)[MP_BLOCK])xyz, count), want);
+		assert_int_equal(mp_collinear_count_floats((const float(*)[MP_BLOCK])xyz, count),
+				 want);
+		free(xyz);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(test_all_kernels_count_the_same_collinear_triangles),
 	    cmocka_unit_test(test_verdicts_are_those_of_the_table),
 	    cmocka_unit_test(test_the_order_of_facets_changes_no_verdict),
 	    cmocka_unit_test(test_chunks_and_keys_change_nothing),
