@@ -116,6 +116,19 @@ static int stream_floats(void *self, const float (*xyz)[MP_BLOCK], size_t count,
 	return 0;
 }
 
+/* Find the vertices of a block, by the file's own numbers where they came before it. */
+static int number_corners(struct mp_analysis *a, const double (*tri)[9], size_t count,
+			  struct mp_error *err)
+{
+	const uint32_t(*numbers)[3] = a->numbers;
+
+	a->numbers = NULL;
+	if (numbers == NULL)
+		return mp_vertices_add(a->vertices, tri, count, a->tri + a->triangles, err);
+	return mp_index_add(&a->index, a->vertices, tri, numbers, count, a->tri + a->triangles,
+			    err);
+}
+
 static int take_block(void *self, const double (*tri)[9], size_t count, struct mp_error *err)
 {
 	struct mp_analysis *a = self;
@@ -126,8 +139,7 @@ static int take_block(void *self, const double (*tri)[9], size_t count, struct m
 	if (count > most - a->triangles)
 		return mp_fail_limit(err, MP_NO_BYTE, most, a->triangles + count,
 				     "more than %llu triangles", (unsigned long long)most);
-	if (reserve(a, count, err) ||
-	    mp_vertices_add(a->vertices, tri, count, a->tri + a->triangles, err))
+	if (reserve(a, count, err) || number_corners(a, tri, count, err))
 		return -1;
 	mp_moments_add(&a->moments, tri, count);
 	mp_flat_mark(tri, count, a->triangles, a->flat);
@@ -166,7 +178,10 @@ static int take_indices(void *self, const uint32_t (*tri)[3], size_t count, stru
 {
 	struct mp_analysis *a = self;
 
-	return mp_index_add(&a->index, tri, count, err);
+	(void)count;
+	(void)err;
+	a->numbers = tri; /* for the block that follows */
+	return 0;
 }
 
 static int begin(struct mp_analysis *a, enum mp_format_wish format, struct mp_error *err)
@@ -284,9 +299,8 @@ int mp_analysis_end(struct mp_analysis *a, struct mp_error *err)
 	if (a->streamed)
 		return 0;
 	mp_vertices_seal(a->vertices);
-	if (mp_index_find(&a->index, mp_vertices_count(a->vertices), &a->by_index, err))
-		return -1;
-	return 0;
+	return mp_index_find(&a->index, (const uint32_t(*)[3])a->tri,
+			     mp_vertices_count(a->vertices), &a->by_index, err);
 }
 
 const char *mp_analysis_name(const struct mp_analysis *a, uint64_t t, bool other, size_t *len,

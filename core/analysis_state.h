@@ -35,7 +35,8 @@ struct mp_analysis {
 	struct mp_names names;
 	bool has_material; /* the file in work */
 	struct mp_index index;
-	struct mp_by_index by_index; /* when ended; not yet compared */
+	const uint32_t (*numbers)[3]; /* of the block to come, in its file; NULL: none */
+	struct mp_by_index by_index;  /* when ended; not yet compared */
 	bool ended; /* mp_analysis_end() returned 0, and no report took the mesh yet */
 };
 

@@ -48,7 +48,9 @@ struct mp_sink {
 	void *self;
 	/*
 	 * The same triangles as the block() that follows, by the file's own vertex numbers (Draco:
-	 * of the POSITION value); formats that number no vertices never call it.  May be NULL.
+	 * of the POSITION value); formats that number no vertices never call it.  A number has one
+	 * place in the file, and the largest is less than the number of places in it.  ${tri}
+	 * stays good until that block() has returned.  May be NULL.
 	 */
 	int (*indices)(void *self, const uint32_t (*tri)[3], size_t count, struct mp_error *err);
 	/* As part(), but of the material (OBJ usemtl), which parts do not end.  May be NULL. */

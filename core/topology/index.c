@@ -10,90 +10,203 @@
 /* An edge and the direction of its use are one sortable word: 32 + 31 + 1 bits. */
 #define MOST_NUMBERS (UINT32_C(1) << 31)
 
-static int reserve(struct mp_index *x, size_t count, struct mp_error *err)
+enum { BATCH = 64, CORNERS = 3 * BATCH }; /* triangles and corners looked up together */
+
+/* The corners of a batch whose numbers have not come before, each number once. */
+struct fresh {
+	uint32_t number[CORNERS + 1]; /* and one that is written in vain */
+	uint16_t corner[CORNERS + 1];
+	double point[CORNERS][3];
+	uint32_t vertex[CORNERS];
+	unsigned count;
+};
+
+static void give_back(struct mp_index *x)
+{
+	free(x->vertex);
+	free(x->count);
+	free(x->tri);
+	x->vertex = x->count = NULL;
+	x->tri = NULL;
+	x->top = x->room = x->tri_room = 0;
+}
+
+static void turn_off(struct mp_index *x)
+{
+	x->off = true;
+	give_back(x);
+}
+
+static bool resize(uint32_t **array, size_t room)
+{
+	uint32_t *new = room > SIZE_MAX / sizeof *new ? NULL : realloc(*array, room * sizeof *new);
+
+	if (new != NULL)
+		*array = mp_huge(new, room * sizeof *new);
+	return new != NULL;
+}
+
+/* Numbers below ${top} may come. */
+static int reserve(struct mp_index *x, size_t top, struct mp_error *err)
 {
 	size_t room = x->room;
+
+	if (top <= x->top)
+		return 0;
+	while (room < top)
+		room = room < 1024 ? 1024 : 2 * room; /* at most 2^32: no overflow in 64 bits */
+	if (room > x->room) {
+		if (!resize(&x->vertex, room) || (x->count != NULL && !resize(&x->count, room)))
+			return mp_fail_nomem(err);
+		x->room = room;
+	}
+	memset(x->vertex + x->top, 0, (top - x->top) * sizeof *x->vertex);
+	x->top = top;
+	return 0;
+}
+
+/* The same for ${count} more triangles that are kept. */
+static int reserve_triangles(struct mp_index *x, size_t count, struct mp_error *err)
+{
+	size_t need = (size_t)(x->triangles - x->kept_from) + count, room = x->tri_room;
 	void *new;
 
-	if (count <= room - x->triangles)
+	if (need <= room)
 		return 0;
-	while (room < x->triangles + count)
-		room = room < 1024 ? 1024 : 2 * room; /* triangles < 2^32: no overflow in 64 bits */
+	while (room < need)
+		room = room < 1024 ? 1024 : 2 * room;
 	if (room > SIZE_MAX / sizeof *x->tri ||
 	    (new = realloc(x->tri, room * sizeof *x->tri)) == NULL)
 		return mp_fail_nomem(err);
 	x->tri = mp_huge(new, room * sizeof *x->tri);
-	x->room = room;
+	x->tri_room = room;
 	return 0;
 }
 
-static void give_back(struct mp_index *x)
+/* Without a branch for each corner: which of them are new is anybody's guess. */
+static void find_fresh(struct mp_index *x, const double (*tri)[9], const uint32_t *number,
+		       unsigned corners, struct fresh *f)
 {
-	free(x->tri);
-	x->tri = NULL;
-	x->triangles = x->room = 0;
+	uint32_t *vertex = x->vertex;
+	unsigned n = 0;
+
+	for (unsigned i = 0; i < corners; i++) {
+		uint32_t known = vertex[number[i]], is_new = known == 0 ? 1 : 0;
+
+		vertex[number[i]] = known + is_new; /* the right one follows */
+		f->number[n] = number[i];
+		f->corner[n] = (uint16_t)i;
+		n += is_new;
+	}
+	for (unsigned i = 0; i < n; i++)
+		memcpy(f->point[i], &tri[f->corner[i] / 3][3 * (f->corner[i] % 3)],
+		       sizeof f->point[i]);
+	f->count = n;
 }
 
-int mp_index_add(struct mp_index *x, const uint32_t (*tri)[3], size_t count, struct mp_error *err)
+/* From here on vertices and numbers are counted apart. */
+static int begin_counts(struct mp_index *x, struct mp_error *err)
 {
-	uint32_t most = MOST_NUMBERS - 1 - x->base;
+	if (!resize(&x->count, x->room))
+		return mp_fail_nomem(err);
+	for (size_t i = 0; i < x->top; i++)
+		x->count[i] = x->vertex[i] - 1; /* whatever, where it has not come */
+	x->kept_from = x->triangles;
+	return 0;
+}
 
-	if (x->off)
-		return 0;
-	if (reserve(x, count, err))
-		return -1;
-	for (size_t i = 0; i < 3 * count; i++) {
-		uint32_t number = tri[i / 3][i % 3];
+/* The fresh numbers have their vertices. */
+static int learn(struct mp_index *x, const struct fresh *f, struct mp_error *err)
+{
+	uint32_t differ = 0;
 
-		if (number > most) {
-			x->off = true;
-			give_back(x);
-			return 0;
-		}
-		number += x->base;
-		x->tri[x->triangles + i / 3][i % 3] = number;
-		if (number >= x->top)
-			x->top = number + 1;
+	for (unsigned i = 0; i < f->count; i++) {
+		x->vertex[f->number[i]] = f->vertex[i] + 1;
+		differ |= f->vertex[i] ^ (x->numbers + i);
 	}
+	if (differ != 0 && x->count == NULL && begin_counts(x, err))
+		return -1;
+	for (unsigned i = 0; x->count != NULL && i < f->count; i++)
+		x->count[f->number[i]] = x->numbers + i;
+	x->numbers += f->count;
+	return 0;
+}
+
+static int keep(struct mp_index *x, const uint32_t (*number)[3], size_t count, struct mp_error *err)
+{
+	uint64_t at = x->triangles - x->kept_from;
+
+	if (x->count == NULL)
+		return 0;
+	if (reserve_triangles(x, count, err))
+		return -1;
+	for (size_t i = 0; i < count; i++)
+		for (unsigned k = 0; k < 3; k++)
+			x->tri[at + i][k] = x->count[number[i][k]];
+	return 0;
+}
+
+static int add_batch(struct mp_index *x, struct mp_vertices *v, const double (*tri)[9],
+		     const uint32_t (*number)[3], unsigned count, uint32_t (*out)[3],
+		     struct mp_error *err)
+{
+	struct fresh f;
+
+	find_fresh(x, tri, number[0], 3 * count, &f);
+	if (mp_vertices_add_points(v, (const double(*)[3])f.point, f.count, f.vertex, err) ||
+	    learn(x, &f, err) || keep(x, number, count, err))
+		return -1;
+	for (unsigned i = 0; i < count; i++)
+		for (unsigned k = 0; k < 3; k++)
+			out[i][k] = x->vertex[number[i][k]] - 1;
 	x->triangles += count;
+	return 0;
+}
+
+static uint32_t largest(const uint32_t *number, size_t count)
+{
+	uint32_t most = 0;
+
+	for (size_t i = 0; i < count; i++)
+		most = number[i] > most ? number[i] : most;
+	return most;
+}
+
+int mp_index_add(struct mp_index *x, struct mp_vertices *v, const double (*tri)[9],
+		 const uint32_t (*number)[3], size_t count, uint32_t (*out)[3],
+		 struct mp_error *err)
+{
+	uint32_t most = x->off || count == 0 ? 0 : largest(number[0], 3 * count);
+
+	if (most >= MOST_NUMBERS || x->numbers >= MOST_NUMBERS - 3 * count)
+		turn_off(x);
+	if (x->off)
+		return mp_vertices_add(v, tri, count, out, err);
+	if (reserve(x, (size_t)most + 1, err))
+		return -1;
+	for (size_t at = 0; at < count; at += BATCH) {
+		unsigned n = count - at < BATCH ? (unsigned)(count - at) : BATCH;
+
+		if (add_batch(x, v, tri + at, number + at, n, out + at, err))
+			return -1;
+	}
 	return 0;
 }
 
 void mp_index_next(struct mp_index *x, size_t triangles)
 {
-	x->base = x->top;
-	if (x->triangles == triangles && x->top < MOST_NUMBERS)
-		return;
-	x->off = true;
-	give_back(x);
-}
-
-/* How many different numbers there are; SIZE_MAX where memory is out. */
-static size_t count_numbers(const struct mp_index *x)
-{
-	uint64_t *seen = calloc((size_t)x->top / 64 + 1, sizeof *seen);
-	size_t count = 0;
-
-	if (seen == NULL)
-		return SIZE_MAX;
-	for (size_t i = 0; i < 3 * x->triangles; i++) {
-		uint32_t number = x->tri[i / 3][i % 3];
-		uint64_t bit = UINT64_C(1) << (number % 64);
-
-		count += (seen[number / 64] & bit) == 0;
-		seen[number / 64] |= bit;
-	}
-	free(seen);
-	return count;
+	x->top = 0;
+	if (x->triangles != triangles)
+		turn_off(x);
 }
 
 /* Smaller number << 32 | larger number << 1 | whether the use runs from the larger one. */
-static size_t make_keys(const struct mp_index *x, uint64_t *key)
+static size_t make_keys(const struct mp_index *x, const uint32_t (*tri)[3], uint64_t *key)
 {
 	size_t n = 0;
 
-	for (size_t t = 0; t < x->triangles; t++) {
-		const uint32_t *v = x->tri[t];
+	for (uint64_t t = 0; t < x->triangles; t++) {
+		const uint32_t *v = t < x->kept_from ? tri[t] : x->tri[t - x->kept_from];
 
 		if (!mp_has_edges(v))
 			continue;
@@ -123,29 +236,29 @@ static void count_edges(const uint64_t *key, size_t n, struct mp_by_index *out)
 	}
 }
 
-int mp_index_find(struct mp_index *x, uint32_t vertices, struct mp_by_index *out,
-		  struct mp_error *err)
+int mp_index_find(struct mp_index *x, const uint32_t (*tri)[3], uint32_t vertices,
+		  struct mp_by_index *out, struct mp_error *err)
 {
-	size_t numbers = 0, n;
 	uint64_t *key;
+	size_t n;
 
 	memset(out, 0, sizeof *out);
-	if (!x->off && x->triangles > 0)
-		numbers = count_numbers(x);
 	/*
 	 * A number has one place, and every place that is used has a number: where there are as
 	 * many of the one as of the other, they are the same vertices.
 	 */
-	if (numbers == 0 || numbers == vertices) {
+	if (x->off || x->numbers == vertices || x->triangles == 0) {
 		mp_index_free(x);
 		return 0;
 	}
-	key = numbers < SIZE_MAX ? malloc(3 * x->triangles * sizeof *key) : NULL;
+	key = x->triangles > SIZE_MAX / 3 / sizeof *key
+		  ? NULL
+		  : malloc(3 * (size_t)x->triangles * sizeof *key);
 	if (key == NULL) {
 		mp_index_free(x);
 		return mp_fail_nomem(err);
 	}
-	n = make_keys(x, key);
+	n = make_keys(x, tri, key);
 	mp_index_free(x);
 	mp_sort_u64(key, n);
 	count_edges(key, n, out);

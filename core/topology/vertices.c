@@ -23,12 +23,11 @@ struct mp_vertices {
 };
 
 enum {
-	FIRST_BITS = 10,    /* slots to begin with: 8 kB, so that small parts stay cheap */
-	RECENT_FROM = 8192, /* vertices that make it worth while to remember recent ones */
-	BATCH =
-	    MP_RECENT_BATCH / 3, /* triangles looked up together, to hide the memory's latency */
-	CORNERS = 3 * BATCH
+	FIRST_BITS = 10,          /* slots to begin with: 8 kB, so that small parts stay cheap */
+	RECENT_FROM = 8192,       /* vertices that make it worth while to remember recent ones */
+	CORNERS = MP_RECENT_BATCH /* looked up together, to hide the memory's latency */
 };
+#define RECENT_UP_TO (MP_RECENT_MISSING - CORNERS) /* vertices, so that no number is beyond */
 
 #define MOST_VERTICES (UINT32_MAX - 1) /* number + 1 fits 32 bits; UINT32_MAX names none */
 
@@ -101,7 +100,23 @@ static int resize_xyz(struct mp_vertices *v, uint64_t room, bool wide, struct mp
 	return 0;
 }
 
-/* From floats to doubles, in place from the end.  Numbers and slots stay as they are. */
+/* Doubles have other hashes than floats: all slots anew, in memory that was there before. */
+static void hash_again(struct mp_vertices *v)
+{
+	uint64_t mask = ((uint64_t)1 << v->bits) - 1;
+
+	memset(v->slot, 0, (size_t)(mask + 1) * sizeof *v->slot);
+	for (uint32_t i = 0; i < v->count; i++) {
+		uint32_t tag = hash(v->key, true, (const double *)v->xyz + 3 * (size_t)i);
+		uint64_t at = home(tag, v->bits);
+
+		while (v->slot[at] != 0)
+			at = (at + 1) & mask;
+		v->slot[at] = (uint64_t)tag << 32 | (i + 1);
+	}
+}
+
+/* From floats to doubles, in place from the end.  Numbers stay as they are. */
 static int widen(struct mp_vertices *v, struct mp_error *err)
 {
 	unsigned char *bytes;
@@ -118,6 +133,7 @@ static int widen(struct mp_vertices *v, struct mp_error *err)
 		memcpy(bytes + i * sizeof x, &x, sizeof x);
 	}
 	v->wide = true;
+	hash_again(v);
 	return 0;
 }
 
@@ -135,80 +151,52 @@ static int reserve(struct mp_vertices *v, unsigned extra, struct mp_error *err)
 	return 0;
 }
 
-static bool equal(const struct mp_vertices *v, uint32_t number, const double p[3])
+/* The corners of a batch, without -0, as the table keeps them: equal ones have equal bits. */
+struct batch {
+	union {
+		float narrow[CORNERS][3];
+		uint64_t wide[CORNERS][3];
+	} key;
+	struct mp_slot_corner corner[CORNERS];
+};
+
+/* Whether doubles are kept is known where these are called: two copies of the loops. */
+#define INLINE static inline __attribute__((always_inline))
+
+INLINE size_t bytes_of(bool wide)
 {
-	size_t at = 3 * (size_t)number;
-
-	if (v->wide) {
-		const double *q = (const double *)v->xyz + at;
-
-		return q[0] == p[0] && q[1] == p[1] && q[2] == p[2];
-	} else {
-		const float *q = (const float *)v->xyz + at;
-
-		return (double)q[0] == p[0] && (double)q[1] == p[1] && (double)q[2] == p[2];
-	}
+	return 3 * (wide ? sizeof(double) : sizeof(float));
 }
 
-static void store(struct mp_vertices *v, uint32_t number, const double p[3])
+INLINE const void *key_of(const struct batch *b, bool wide, unsigned i)
 {
-	size_t at = 3 * (size_t)number;
-
-	for (unsigned k = 0; k < 3; k++) {
-		if (v->wide)
-			((double *)v->xyz)[at + k] = p[k];
-		else
-			((float *)v->xyz)[at + k] = (float)p[k];
-	}
+	return wide ? (const void *)b->key.wide[i] : (const void *)b->key.narrow[i];
 }
 
-static int find_or_add(struct mp_vertices *v, const uint64_t word[3], struct mp_slot_corner *c,
+INLINE int find_or_add(struct mp_vertices *v, bool wide, const void *key, struct mp_slot_corner *c,
 		       struct mp_error *err)
 {
 	uint64_t mask = ((uint64_t)1 << v->bits) - 1;
+	size_t each = bytes_of(wide);
 	uint64_t at = c->at;
-	double p[3];
+	char *xyz = v->xyz;
 
-	memcpy(p, word, sizeof p);
 	for (; v->slot[at] != 0; at = (at + 1) & mask) {
 		c->number = (uint32_t)v->slot[at] - 1;
-		if (v->slot[at] >> 32 == c->tag && equal(v, c->number, p))
+		if (v->slot[at] >> 32 == c->tag && same_words(wide, xyz + c->number * each, key))
 			return 0;
 	}
 	if (v->count >= MOST_VERTICES)
 		return mp_fail_limit(err, MP_NO_BYTE, MOST_VERTICES, (uint64_t)v->count + 1,
 				     "more than 4294967294 different vertices");
 	c->number = v->count++;
-	store(v, c->number, p);
+	memcpy(xyz + c->number * each, key, each);
 	v->slot[at] = (uint64_t)c->tag << 32 | v->count;
 	return 0;
 }
 
-/* ${count} coordinates without -0; returns whether floats may not hold them. */
-static bool load(const double *x, unsigned count, uint64_t *word)
-{
-	struct float_doubt doubt = {0, 0};
-
-	for (unsigned i = 0; i < count; i++) {
-		uint64_t w = bits_of(x[i] + 0.0); /* -0 + 0 is +0 */
-
-		doubt_float(&doubt, w);
-		word[i] = w;
-	}
-	return is_doubtful(&doubt);
-}
-
-static bool all_fit(const double (*tri)[9], unsigned count)
-{
-	for (unsigned i = 0; i < 9 * count; i++)
-		if (!fits_float(tri[i / 9][i % 9]))
-			return false;
-	return true;
-}
-
 /* Hash the corners and ask memory for their slots. */
-static void hash_all(const struct mp_vertices *v, const uint64_t (*word)[3],
-		     struct mp_slot_corner *c, unsigned n)
+INLINE void hash_all(const struct mp_vertices *v, bool wide, struct batch *b, unsigned n)
 {
 	const uint64_t *slot = v->slot;
 	unsigned bits = v->bits;
@@ -216,71 +204,119 @@ static void hash_all(const struct mp_vertices *v, const uint64_t (*word)[3],
 
 	memcpy(key, v->key, sizeof key);
 	for (unsigned i = 0; i < n; i++) {
-		c[i].tag = hash(key, word[i]);
-		__builtin_prefetch(&slot[home(c[i].tag, bits)]);
+		b->corner[i].tag = hash(key, wide, key_of(b, wide, i));
+		__builtin_prefetch(&slot[home(b->corner[i].tag, bits)]);
 	}
 }
 
-/* The numbers of ${n} corners, in this order. */
-static int look_up(struct mp_vertices *v, const uint64_t (*word)[3], struct mp_slot_corner *c,
-		   unsigned n, struct mp_error *err)
+INLINE int look_up_as(struct mp_vertices *v, bool wide, struct batch *b, unsigned n,
+		      struct mp_error *err)
 {
-	hash_all(v, word, c, n);
-	mp_slots_find(v->slot, v->bits, v->xyz, 3 * (v->wide ? sizeof(double) : sizeof(float)), c,
-		      n);
+	hash_all(v, wide, b, n);
+	mp_slots_find(v->slot, v->bits, v->xyz, bytes_of(wide), b->corner, n);
 	for (unsigned i = 0; i < n; i++)
-		if (find_or_add(v, word[i], &c[i], err))
+		if (find_or_add(v, wide, key_of(b, wide, i), &b->corner[i], err))
 			return -1;
 	return 0;
 }
 
-/* The same, but only for those that are none of the recent ones. */
-static int look_up_rest(struct mp_vertices *v, uint64_t (*word)[3], struct mp_slot_corner *c,
-			unsigned n, uint32_t (*out)[3], struct mp_error *err)
+/* The numbers of ${n} corners, in this order. */
+static int look_up(struct mp_vertices *v, struct batch *b, unsigned n, struct mp_error *err)
 {
-	struct mp_recent_batch batch;
+	return v->wide ? look_up_as(v, true, b, n, err) : look_up_as(v, false, b, n, err);
+}
+
+/* The same, but only for those that are none of the recent ones. */
+static int look_up_rest(struct mp_vertices *v, struct batch *b, unsigned n, uint32_t *out,
+			struct mp_error *err)
+{
+	struct mp_recent_batch recent;
 	uint32_t number[CORNERS];
 
-	mp_recent_look(&v->recent, word, n, &batch); /* leaves the others in front */
-	if (look_up(v, (const uint64_t(*)[3])word, c, batch.missing, err))
+	if (v->wide) /* leaves the others in front */
+		mp_recent_look_wide(&v->recent, b->key.wide, n, &recent);
+	else
+		mp_recent_look_narrow(&v->recent, b->key.narrow, n, &recent);
+	if (look_up(v, b, recent.missing, err))
 		return -1;
-	for (unsigned i = 0; i < batch.missing; i++)
-		number[i] = c[i].number;
-	mp_recent_learn(&v->recent, &batch, number, n, (uint32_t *)out);
+	for (unsigned i = 0; i < recent.missing; i++)
+		number[i] = b->corner[i].number;
+	mp_recent_learn(&v->recent, &recent, number, n, out);
 	return 0;
 }
 
-static int add_batch(struct mp_vertices *v, const double (*tri)[9], unsigned count,
-		     uint32_t (*out)[3], struct mp_error *err)
+/* ${count} coordinates as floats; returns whether that changed some. */
+static bool load_narrow(const double *x, unsigned count, float *out)
 {
-	uint64_t word[CORNERS][3];
-	struct mp_slot_corner c[CORNERS];
+	uint64_t changed = 0;
 
-	if (reserve(v, 3 * count, err))
+	for (unsigned i = 0; i < count; i++)
+		out[i] = (float)(x[i] + 0.0); /* -0 + 0 is +0 */
+	/* GCC 12's SLP vectoriser may drop the rounding of (double)(float)x: not through memory */
+	__asm__ volatile("" : : "r"(out) : "memory");
+	for (unsigned i = 0; i < count; i++)
+		changed |= bits_of((double)out[i]) ^ bits_of(x[i] + 0.0);
+	return changed != 0;
+}
+
+static void load_wide(const double *x, unsigned count, uint64_t *out)
+{
+	for (unsigned i = 0; i < count; i++)
+		out[i] = bits_of(x[i] + 0.0);
+}
+
+static int load(struct mp_vertices *v, const double (*point)[3], unsigned n, struct batch *b,
+		struct mp_error *err)
+{
+	if (!v->wide && load_narrow(point[0], 3 * n, b->key.narrow[0]) && widen(v, err))
 		return -1;
-	if (load(tri[0], 9 * count, word[0]) && !v->wide && !all_fit(tri, count) && widen(v, err))
+	if (v->wide)
+		load_wide(point[0], 3 * n, b->key.wide[0]);
+	return 0;
+}
+
+static int add_batch(struct mp_vertices *v, const double (*point)[3], unsigned n, bool recent,
+		     uint32_t *out, struct mp_error *err)
+{
+	struct batch b;
+
+	if (reserve(v, n, err) || load(v, point, n, &b, err))
 		return -1;
-	if (v->count >= RECENT_FROM && mp_recent_wanted(&v->recent))
-		return look_up_rest(v, word, c, 3 * count, out, err);
-	if (look_up(v, (const uint64_t(*)[3])word, c, 3 * count, err))
+	if (recent && v->count >= RECENT_FROM && v->count < RECENT_UP_TO &&
+	    mp_recent_wanted(&v->recent, v->wide))
+		return look_up_rest(v, &b, n, out, err);
+	if (look_up(v, &b, n, err))
 		return -1;
-	for (unsigned i = 0; i < 3 * count; i++)
-		out[i / 3][i % 3] = c[i].number;
+	for (unsigned i = 0; i < n; i++)
+		out[i] = b.corner[i].number;
+	return 0;
+}
+
+static int add_all(struct mp_vertices *v, const double (*point)[3], size_t count, bool recent,
+		   uint32_t *out, struct mp_error *err)
+{
+	assert(v->slot != NULL); /* not sealed */
+	for (size_t done = 0; done < count;) {
+		unsigned n = count - done < CORNERS ? (unsigned)(count - done) : CORNERS;
+
+		if (add_batch(v, point + done, n, recent, out + done, err))
+			return -1;
+		done += n;
+	}
 	return 0;
 }
 
 int mp_vertices_add(struct mp_vertices *v, const double (*tri)[9], size_t count, uint32_t (*out)[3],
 		    struct mp_error *err)
 {
-	assert(v->slot != NULL); /* not sealed */
-	for (size_t done = 0; done < count;) {
-		unsigned n = count - done < BATCH ? (unsigned)(count - done) : BATCH;
+	return add_all(v, (const double(*)[3])(const void *)tri, 3 * count, true,
+		       (uint32_t *)(void *)out, err);
+}
 
-		if (add_batch(v, tri + done, n, out + done, err))
-			return -1;
-		done += n;
-	}
-	return 0;
+int mp_vertices_add_points(struct mp_vertices *v, const double (*point)[3], size_t count,
+			   uint32_t *out, struct mp_error *err)
+{
+	return add_all(v, point, count, false, out, err);
 }
 
 uint32_t mp_vertices_count(const struct mp_vertices *v)

@@ -27,6 +27,10 @@ void mp_vertices_free(struct mp_vertices *);
 int mp_vertices_add(struct mp_vertices *, const double (*tri)[9], size_t count, uint32_t (*out)[3],
 		    struct mp_error *err);
 
+/* The same of ${count} points, of which few are expected to repeat one that came just before. */
+int mp_vertices_add_points(struct mp_vertices *, const double (*point)[3], size_t count,
+			   uint32_t *out, struct mp_error *err);
+
 uint32_t mp_vertices_count(const struct mp_vertices *);
 
 /* Coordinates of vertex ${number} < count. */

@@ -227,9 +227,12 @@ static void numbers_beyond_the_keys_are_left_out(void **state)
 		n[0].index[i / 3][i % 3] = n[1].index[i / 3][i % 3] = (uint32_t)i;
 	n[0].index[3][1] = UINT32_MAX;
 	assert_false(look(n, 1, NULL).given);
-	n[0].index[3][1] = 0x7ffffffe;
-	assert_true(look(n, 1, NULL).given);
-	assert_false(look(n, 2, NULL).given); /* the second file's would not fit */
+	n[0].index[3][1] = 0x80000000;
+	assert_false(look(n, 2, NULL).given);
+	n[0].index[3][1] = 1000000;
+	assert_true(look(n, 2, NULL).given);
+	n[1].index[11][2] = 0x80000000; /* some had been kept */
+	assert_false(look(n, 2, NULL).given);
 	drop(&n[0]);
 	drop(&n[1]);
 }
