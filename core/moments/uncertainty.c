@@ -6,58 +6,53 @@
 #include <string.h>
 
 #include "core/memory/huge.h"
+#include "core/topology/edges.h"
 
 /*
- * Rows: what is derived.  0: the volume, times 6; 1 to 3: its first moments about the centroid,
- * times
- * 24.  Coordinates are scaled by powers of two, each axis by its own, so that the box is
- * about 1 wide and float32 has room for every derivative; three digits of them would do.
+ * With V and M_i the derivatives of the volume, times 6, and of the first moments about an origin,
+ * times 24, those of the moments about the centroid C are M_i - 4*(C_i - origin_i)*V, so that sums
+ * of V*V, V*M_i and M_i*M_i tell what theirs are when the centroid is known.  The origin is close
+ * to it, so nothing cancels.  Coordinates are scaled by powers of two, each axis by its own, so
+ * that the box is about 1 wide and no product leaves the range of a double.
  */
-enum { ROWS = 4, AHEAD = 16 };
-typedef float rows __attribute__((vector_size(ROWS * sizeof(float))));
 
-/* Bytes that the other tables of a triangle took before, and gave back. */
-enum { ROOM = 40 };
+enum { LANES = 3 };
 
-struct frame {
-	double centre[3], scale[3]; /* q = (vertex - centre)*scale */
-	double shift[ROWS];         /* -1, and four times the centroid as q */
-	double turn[3][3];          /* from rows 1 to 3 to those of the map, each scaled: */
-	double row_scale[3];        /* that of a row is its derivative times this */
-	const struct mp_rounded_solid *solid;
-};
+static const int AXIS[LANES] = {2, 0, 1}; /* z, x, y: of lanes */
 
 /*
  * The centroid of the mapped solid moves as the map says, while the normals stay those of the file.
  * Powers of two keep the numbers near 1.
  */
-static void set_turn(struct frame *f, const struct mp_affine *map)
+static void set_turn(struct mp_uncertainty_state *s, const struct mp_affine *map)
 {
+	struct mp_ring_frame *f = &s->frame;
+
+	f->turned = map != NULL;
 	for (int i = 0; i < 3; i++) {
 		long double row[3], largest = 0;
 
-		f->row_scale[i] = f->scale[i];
+		s->row_scale[i] = f->scale[i];
 		for (int k = 0; k < 3 && map != NULL; k++) {
 			row[k] = (long double)map->row[i][k] / f->scale[k];
 			largest = fmaxl(largest, fabsl(row[k]));
 		}
 		if (map == NULL)
 			continue;
-		f->row_scale[i] = ldexp(1, ilogbl(largest) < -1000 ? 1000 : -ilogbl(largest));
+		s->row_scale[i] = ldexp(1, ilogbl(largest) < -1000 ? 1000 : -ilogbl(largest));
 		for (int k = 0; k < 3; k++)
-			f->turn[i][k] = (double)(row[k] * f->row_scale[i]);
+			f->turn[i][k] = (double)(row[k] * s->row_scale[i]);
 	}
 }
 
 /* A box without an extent along an axis takes the factor of the others: nothing is scaled away. */
-static void set_frame(struct frame *f, const struct mp_rounded_solid *s)
+static void set_scale(struct mp_ring_frame *f, const struct mp_rounded_solid *s)
 {
 	int exponent[3], top = INT_MIN;
 
 	for (int k = 0; k < 3; k++) {
 		double half = s->max[k] / 2 - s->min[k] / 2;
 
-		f->centre[k] = s->min[k] / 2 + s->max[k] / 2;
 		exponent[k] = half > 0 ? -ilogb(half) - 1 : INT_MIN;
 		if (exponent[k] > 1000)
 			exponent[k] = 1000;
@@ -68,266 +63,153 @@ static void set_frame(struct frame *f, const struct mp_rounded_solid *s)
 		f->scale[k] = ldexp(1, exponent[k] != INT_MIN ? exponent[k]
 				       : top != INT_MIN       ? top
 							      : 0);
-	f->shift[0] = -1;
-	for (int k = 0; k < 3; k++)
-		f->shift[1 + k] =
-		    s->volume != 0 ? 4 * (s->centroid[k] - f->centre[k]) * f->scale[k] : 0;
-	f->solid = s;
-	set_turn(f, s->map);
 }
 
-#define INLINE static inline __attribute__((always_inline))
-
-/* Where the coordinates are: floats, or doubles where that is NULL. */
-struct points {
-	const float *narrow;
-	const double *wide;
-};
-
-static struct points points_of(const struct frame *f)
+static void set_origin(struct mp_uncertainty_state *state, const struct mp_rounded_solid *s)
 {
-	struct points p;
-
-	mp_vertices_all(f->solid->mesh->vertices, &p.narrow, &p.wide);
-	return p;
-}
-
-/* q of the corners, each behind a 0, so that q and what is made of it fit the rows. */
-INLINE void find_corners(const struct frame *f, struct points p, const uint32_t v[3],
-			 double q[3][ROWS])
-{
-	for (int c = 0; c < 3; c++) {
-		size_t at = (size_t)3 * v[c];
-
-		q[c][0] = 0;
-		for (size_t k = 0; k < 3; k++) {
-			double x = p.narrow != NULL ? (double)p.narrow[at + k] : p.wide[at + k];
-
-			q[c][1 + k] = (x - f->centre[k]) * f->scale[k];
-		}
-	}
-}
-
-INLINE void prefetch_corners(struct points p, const uint32_t v[3])
-{
-	for (int c = 0; c < 3; c++)
-		if (p.narrow != NULL)
-			__builtin_prefetch(p.narrow + (size_t)3 * v[c]);
-		else
-			__builtin_prefetch(p.wide + (size_t)3 * v[c]);
-}
-
-/* Twice the area vector of a triangle. */
-INLINE void normal(double (*q)[ROWS], float n[3])
-{
-	double e[3], f[3];
-
 	for (int k = 0; k < 3; k++) {
-		e[k] = q[1][1 + k] - q[0][1 + k];
-		f[k] = q[2][1 + k] - q[0][1 + k];
-	}
-	n[0] = (float)(e[1] * f[2] - e[2] * f[1]);
-	n[1] = (float)(e[2] * f[0] - e[0] * f[2]);
-	n[2] = (float)(e[0] * f[1] - e[1] * f[0]);
-}
+		double middle = s->min[k] / 2 + s->max[k] / 2;
+		bool inside = s->centroid[k] >= s->min[k] && s->centroid[k] <= s->max[k];
 
-/* The rows of the derivatives by n_k, for each corner. */
-INLINE void find_rows(const struct frame *f, double (*q)[ROWS], rows out[3])
-{
-	rows s = {0};
-
-	for (int r = 0; r < ROWS; r++)
-		s[r] = (float)(q[0][r] + q[1][r] + q[2][r] - f->shift[r]);
-	for (int c = 0; c < 3; c++) {
-		const rows own = {(float)q[c][0], (float)q[c][1], (float)q[c][2], (float)q[c][3]};
-
-		out[c] = s + own;
-	}
-	for (int c = 0; c < 3 && f->solid->map != NULL; c++) {
-		const rows from = out[c];
-
-		for (int i = 0; i < 3; i++)
-			out[c][1 + i] = (float)(f->turn[i][0] * (double)from[1] +
-						f->turn[i][1] * (double)from[2] +
-						f->turn[i][2] * (double)from[3]);
+		state->frame.origin[k] = s->volume != 0 && inside ? s->centroid[k] : middle;
 	}
 }
 
-INLINE void find_triangle(const struct frame *f, struct points p, const uint32_t v[3], float n[3],
-			  rows w[3])
+static void set_steps(struct mp_ring_frame *f, const struct mp_rounded_solid *s)
 {
-	double q[3][ROWS];
+	for (int lane = 0; lane < LANES; lane++) {
+		double scale = f->scale[AXIS[lane]];
 
-	find_corners(f, p, v, q);
-	normal(q, n);
-	find_rows(f, q, w);
+		f->ulp[lane] = s->float32 ? 0x1p-24 * scale : 0;
+		f->step[lane] = s->step / 2 * scale;
+	}
 }
 
-INLINE void add_triangles(const struct frame *frame, struct points p, rows *restrict sums)
+static void take(void *self, const struct mp_links *links)
 {
-	const struct mp_mesh *m = frame->solid->mesh;
-	const struct frame f = *frame; /* where no store can reach it */
+	struct mp_uncertainty_state *s = self;
 
+	s->kernel->add(&s->sums, &s->frame, links);
+	s->seen = links->first + links->count;
+}
+
+void mp_uncertainty_begin(struct mp_uncertainty_state *state, const struct mp_rounded_solid *s)
+{
+	memset(state, 0, sizeof *state);
+	state->watcher = (struct mp_links_sink){take, state};
+	state->mesh = s->mesh;
+	state->kernel = mp_ring_kernel_get(mp_ring_kernel_count() - 1);
+	set_scale(&state->frame, s);
+	set_origin(state, s);
+	set_steps(&state->frame, s);
+	mp_vertices_all(s->mesh->vertices, &state->frame.narrow, &state->frame.wide);
+	set_turn(state, s->map);
+}
+
+/* row[v + 1] = where row v begins, so that scattering moves it to where row v + 1 begins. */
+static void count_rows(const struct mp_mesh *m, uint32_t vertices, uint32_t *row)
+{
+	uint32_t sum = 0;
+
+	for (uint32_t t = 0; t < m->triangles; t++)
+		for (int c = 0; c < 3 && mp_has_edges(m->tri[t]); c++)
+			row[m->tri[t][c] + 1]++;
+	for (uint32_t v = 0; v < vertices; v++) {
+		uint32_t n = row[v + 1];
+
+		row[v + 1] = sum;
+		sum += n;
+	}
+}
+
+static void scatter(const struct mp_mesh *m, uint32_t *row, uint64_t *link)
+{
 	for (uint32_t t = 0; t < m->triangles; t++) {
-		const uint32_t *v = m->tri[t],
-			       *next = m->tri[t + AHEAD < m->triangles ? t + AHEAD : t];
-		float n[3];
-		rows w[3];
+		const uint32_t *v = m->tri[t];
 
-		prefetch_corners(p, next);
-		for (int c = 0; c < 3; c++)
-			__builtin_prefetch(sums + (size_t)3 * next[c], 1);
-		find_triangle(&f, p, v, n, w);
-		for (int c = 0; c < 3; c++) {
-			rows *sum = sums + (size_t)3 * v[c];
-
-			for (int k = 0; k < 3; k++)
-				sum[k] += n[k] * w[c];
-		}
+		for (int c = 0; c < 3 && mp_has_edges(v); c++)
+			link[row[v[c] + 1]++] =
+			    (uint64_t)v[c == 2 ? 0 : c + 1] << 32 | v[c == 0 ? 2 : c - 1];
 	}
 }
 
-/* sums: 3 of each vertex, one for each coordinate. */
-static void add_all(const struct frame *f, rows *sums)
+/* What mp_topology_find() does not show, of any mesh.  Rows fit: 3 * MP_MOST_TRIANGLES < 2^32. */
+static int look_at_all(struct mp_uncertainty_state *s, struct mp_error *err)
 {
-	struct points p = points_of(f);
+	uint32_t vertices = mp_vertices_count(s->mesh->vertices);
+	const size_t size = ((size_t)3 * s->mesh->triangles + 1) * sizeof(uint64_t);
+	uint32_t *row = calloc((size_t)vertices + 1, sizeof *row);
+	uint64_t *link = mp_huge(malloc(size), size);
+	int failed = row == NULL || link == NULL;
 
-	if (p.narrow != NULL)
-		add_triangles(f, (struct points){.narrow = p.narrow}, sums);
-	else
-		add_triangles(f, (struct points){.wide = p.wide}, sums);
-}
-
-/* The same of one row alone. */
-static void add_row(const struct frame *f, int row, float (*sums)[3])
-{
-	const struct mp_mesh *m = f->solid->mesh;
-	const struct points p = points_of(f);
-
-	for (uint32_t t = 0; t < m->triangles; t++) {
-		float n[3];
-		rows w[3];
-
-		find_triangle(f, p, m->tri[t], n, w);
-		for (int c = 0; c < 3; c++)
-			for (int k = 0; k < 3; k++)
-				sums[m->tri[t][c]][k] += n[k] * w[c][row];
+	if (!failed) {
+		count_rows(s->mesh, vertices, row);
+		scatter(s->mesh, row, link);
+		memset(&s->sums, 0, sizeof s->sums);
+		take(s, &(struct mp_links){0, vertices, row, link});
 	}
+	free(row);
+	free(link);
+	return failed ? mp_fail_nomem(err) : 0;
 }
 
-/* Half the distance between float32 numbers of the size of x: 2^-150 at 0. */
-static inline double half_ulp(double x)
+static long double sum_of(const double lane[MP_RING_LANES])
 {
-	uint64_t bits, exponent;
-
-	memcpy(&bits, &x, sizeof bits);
-	exponent = bits >> 52 & 0x7ff;
-	bits = (exponent > 1023 - 126 ? exponent - 24 : 1023 - 126 - 24) << 52;
-	memcpy(&x, &bits, sizeof x);
-	return x;
+	return (long double)lane[0] + (long double)lane[1] + (long double)lane[2];
 }
 
-/* Squares of the scaled half steps of the three coordinates of a vertex. */
-static inline void find_steps(const struct frame *f, uint32_t vertex, double h2[3])
+/* How far the centroid is from the origin in row ${i}, scaled as that, times 4. */
+static long double shift_of(const struct mp_uncertainty_state *s, const struct mp_rounded_solid *r,
+			    int i)
 {
-	double x[3];
+	long double shift = 0;
 
-	mp_vertices_get(f->solid->mesh->vertices, vertex, x);
+	if (r->volume == 0)
+		return 0;
 	for (int k = 0; k < 3; k++) {
-		double ulp = f->solid->float32 ? half_ulp(x[k]) * f->scale[k] : 0;
-		double step = f->solid->step / 2 * f->scale[k];
+		long double factor = s->frame.turned ? (long double)s->frame.turn[i][k] : k == i;
 
-		h2[k] = ulp * ulp + step * step;
+		shift += 4 * factor * (long double)s->frame.scale[k] *
+			 ((long double)r->centroid[k] - (long double)s->frame.origin[k]);
+	}
+	return shift;
+}
+
+static void set_deviation(const struct mp_uncertainty_state *state,
+			  const struct mp_rounded_solid *s, struct mp_deviation *out)
+{
+	const double *scale = state->frame.scale;
+	long double product = (long double)scale[0] * scale[1] * scale[2];
+	long double volume = fabsl(s->volume * product), vv = sum_of(state->sums.vv);
+
+	out->volume = sqrtl(vv / 3) / 6 / product;
+	if (s->map != NULL)
+		out->volume *= s->map->size.mid;
+	for (int i = 0; i < 3; i++) {
+		long double shift = shift_of(state, s, i);
+		long double square = sum_of(state->sums.mm[i]) -
+				     shift * (2 * sum_of(state->sums.vm[i]) - shift * vv);
+
+		out->centroid[i] =
+		    volume > 0 ? sqrtl(fmaxl(square, 0) / 3) / 24 / volume / state->row_scale[i]
+			       : 0;
 	}
 }
 
-/* Sums of the squares of (derivative times half step), a row each. */
-static void square_all(const struct frame *f, const rows *sums, double out[ROWS])
+int mp_uncertainty_end(struct mp_uncertainty_state *state, const struct mp_rounded_solid *s,
+		       struct mp_deviation *out, struct mp_error *err)
 {
-	uint32_t count = mp_vertices_count(f->solid->mesh->vertices);
-
-	for (uint32_t v = 0; v < count; v++) {
-		double h2[3];
-
-		find_steps(f, v, h2);
-		for (int k = 0; k < 3; k++, sums++)
-			for (int r = 0; r < ROWS; r++)
-				out[r] += (double)(*sums)[r] * (double)(*sums)[r] * h2[k];
-	}
-}
-
-static double square_row(const struct frame *f, float (*sums)[3])
-{
-	uint32_t count = mp_vertices_count(f->solid->mesh->vertices);
-	double out = 0;
-
-	for (uint32_t v = 0; v < count; v++) {
-		double h2[3];
-
-		find_steps(f, v, h2);
-		for (int k = 0; k < 3; k++)
-			out += (double)sums[v][k] * (double)sums[v][k] * h2[k];
-	}
-	return out;
-}
-
-static int find_at_once(const struct frame *f, size_t vertices, double squares[ROWS],
-			struct mp_error *err)
-{
-	const size_t size = 3 * sizeof(rows) * (vertices + 1);
-	rows *sums = mp_huge(calloc(1, size), size);
-
-	if (sums == NULL)
-		return mp_fail_nomem(err);
-	add_all(f, sums);
-	square_all(f, sums, squares);
-	free(sums);
+	if (state->seen < mp_vertices_count(s->mesh->vertices) && look_at_all(state, err))
+		return -1;
+	set_deviation(state, s, out);
 	return 0;
-}
-
-static int find_by_rows(const struct frame *f, size_t vertices, double squares[ROWS],
-			struct mp_error *err)
-{
-	const size_t size = (vertices + 1) * sizeof(float[3]);
-	float(*sums)[3] = mp_huge(malloc(size), size);
-
-	if (sums == NULL)
-		return mp_fail_nomem(err);
-	for (int r = 0; r < ROWS; r++) {
-		memset(sums, 0, size);
-		add_row(f, r, sums);
-		squares[r] = square_row(f, sums);
-	}
-	free(sums);
-	return 0;
-}
-
-static void set_deviation(const struct frame *f, const double squares[ROWS],
-			  struct mp_deviation *out)
-{
-	long double product = (long double)f->scale[0] * f->scale[1] * f->scale[2];
-	long double volume = fabsl(f->solid->volume * product);
-
-	out->volume = sqrtl(squares[0] / 3.0L) / 6 / product;
-	if (f->solid->map != NULL)
-		out->volume *= f->solid->map->size.mid;
-	for (int k = 0; k < 3; k++)
-		out->centroid[k] =
-		    volume > 0 ? sqrtl(squares[1 + k] / 3.0L) / 24 / volume / f->row_scale[k] : 0;
 }
 
 int mp_uncertainty_find(const struct mp_rounded_solid *s, struct mp_deviation *out,
 			struct mp_error *err)
 {
-	size_t vertices = mp_vertices_count(s->mesh->vertices);
-	bool many = 3 * sizeof(rows) * vertices > (size_t)ROOM * s->mesh->triangles;
-	double squares[ROWS] = {0};
-	struct frame frame;
+	struct mp_uncertainty_state state;
 
-	set_frame(&frame, s);
-	if (many ? find_by_rows(&frame, vertices, squares, err)
-		 : find_at_once(&frame, vertices, squares, err))
-		return -1;
-	set_deviation(&frame, squares, out);
-	return 0;
+	mp_uncertainty_begin(&state, s);
+	return mp_uncertainty_end(&state, s, out, err);
 }

@@ -6,6 +6,7 @@
 
 #include "core/affine/affine.h"
 #include "core/decoder.h"
+#include "core/moments/uncertainty_kernel.h"
 #include "core/topology/topology.h"
 
 /*
@@ -41,9 +42,32 @@ struct mp_deviation {
 };
 
 /*
- * One pass over the triangles (four where vertices are many), 48 bytes a vertex beside the mesh,
- * never more than 40 a triangle.  0, or -1: memory is out.
+ * mp_uncertainty_begin(state, solid):
+ * ${solid}: all but volume and centroid must be right, which may be 0 or a guess.  Its mesh is used
+ * until end(); ${state} must not move.  state->watcher is for a copy of the mesh that goes through
+ * mp_topology_find(): then nearly every mesh is done as a by-product.
  */
+struct mp_uncertainty_state {
+	struct mp_links_sink watcher;
+	const struct mp_mesh *mesh;
+	double row_scale[3]; /* a row's derivatives times this are those wanted */
+	const struct mp_ring_kernel *kernel;
+	struct mp_ring_frame frame;
+	struct mp_ring_sums sums;
+	uint32_t seen; /* vertices 0 .. seen - 1 are in the sums */
+};
+void mp_uncertainty_begin(struct mp_uncertainty_state *, const struct mp_rounded_solid *);
+
+/*
+ * mp_uncertainty_end(state, solid, out, err):
+ * ${solid}: as for begin(), with the volume and the centroid.  If some vertices were not seen all
+ * are looked at, with 24 bytes a triangle and 4 a vertex beside the mesh for a moment.  0, or -1:
+ * memory is out.
+ */
+int mp_uncertainty_end(struct mp_uncertainty_state *, const struct mp_rounded_solid *,
+		       struct mp_deviation *out, struct mp_error *err);
+
+/* Both at once. */
 int mp_uncertainty_find(const struct mp_rounded_solid *, struct mp_deviation *out,
 			struct mp_error *err);
 

@@ -194,6 +194,19 @@ void mp_report_masses(const struct mp_request *request, const struct mp_mesh *me
 	mp_bounds_find(whole, heavy, mp_mass_ball(heavy, density), r);
 }
 
+/* Who estimates uncertainties gets to see what they are made of, while it is in the cache. */
+static int find_topology(const struct mp_request *request, const struct mp_mesh *mesh,
+			 const struct mp_box *box, const struct mp_moments *moments,
+			 struct mp_uncertainty_state *state, struct mp_report *r,
+			 struct mp_error *err)
+{
+	struct mp_mesh watched = *mesh;
+
+	if (mp_report_uncertainty_begin(request, mesh, box, moments, r, state))
+		watched.watcher = &state->watcher;
+	return mp_topology_find(&watched, request->defects, &r->topology, err);
+}
+
 static int fill(struct mp_analysis *a, const struct mp_request *request, struct mp_report *r,
 		struct mp_named *named, struct mp_bodies *bodies, struct mp_report_exact *x,
 		struct mp_error *err)
@@ -204,6 +217,7 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 				     .flat = r->repaired ? NULL : a->flat,
 				     .map = r->mapped ? &r->map : NULL};
 	struct mp_density density;
+	struct mp_uncertainty_state rounded;
 	struct mp_solid whole, stored; /* stored: in the file's frame, as box */
 	struct mp_box box;
 
@@ -211,7 +225,7 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	memcpy(box.max, a->moments.max, sizeof box.max);
 	mp_report_map_box(&mesh, &box, r);
 	if (mp_named_sort(named, request, &a->names, mesh.triangles, err) ||
-	    mp_topology_find(&mesh, request->defects, &r->topology, err) ||
+	    find_topology(request, &mesh, &box, &a->moments, &rounded, r, err) ||
 	    mp_repair_judge(&mesh, a->request.key, r, err) ||
 	    mp_named_bodies(named, &mesh, &r->topology, err) ||
 	    mp_bodies_measure(&mesh, &r->topology, request->bodies, &a->moments, named, &whole,
@@ -226,7 +240,7 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	stored = whole;
 	mp_report_masses(request, &mesh, named, &box, &whole, &density, r);
 	if (mp_report_exact_whole(x, request, &mesh, bodies, r, err) ||
-	    mp_report_uncertainty(request, &mesh, &box, &stored, r, err))
+	    mp_report_uncertainty(request, &mesh, &box, &stored, &rounded, r, err))
 		return -1;
 	if (mp_report_crossings(request, &mesh, bodies, a->request.key, r, err))
 		return -1;

@@ -5,6 +5,7 @@
 #include "core/bodies/bodies.h"
 #include "core/exact/exact.h"
 #include "core/moments/ball.h"
+#include "core/moments/uncertainty.h"
 #include "core/report/report.h"
 
 /* Parts of the making of a report that report.c shares. */
@@ -81,11 +82,20 @@ int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_requ
 void mp_report_exact_free(struct mp_report_exact *x);
 
 /*
- * report->uncertainty, once total, box, topology and density are there.  ${box}, ${stored}: of the
- * whole, in the file's frame, for the case that there is a map.  -1: memory is out.
+ * report->uncertainty.  begin: before mp_topology_find(), which state->watcher should watch; false
+ * where it need not, and then ${state} is not set.  ${box}: in the file's frame.
+ */
+bool mp_report_uncertainty_begin(const struct mp_request *request, const struct mp_mesh *mesh,
+				 const struct mp_box *box, const struct mp_moments *moments,
+				 const struct mp_report *report,
+				 struct mp_uncertainty_state *state);
+/*
+ * Once total, topology and density are there.  ${box}, ${stored}: of the whole, in the file's
+ * frame. -1: memory is out.
  */
 int mp_report_uncertainty(const struct mp_request *request, const struct mp_mesh *mesh,
 			  const struct mp_box *box, const struct mp_solid *stored,
-			  struct mp_report *report, struct mp_error *err);
+			  struct mp_uncertainty_state *state, struct mp_report *report,
+			  struct mp_error *err);
 
 #endif

@@ -170,23 +170,7 @@ static void scatter(struct ring *r)
 	}
 }
 
-/* The link of ${n} that leaves for ${v}, by their order; ${n} where there is none. */
-static size_t find_link(const uint64_t *sorted, size_t n, uint32_t v)
-{
-	size_t low = 0, high = n;
-
-	while (low < high) {
-		size_t mid = low + (high - low) / 2;
-
-		if (sorted[mid] >> 32 < v)
-			low = mid + 1;
-		else
-			high = mid;
-	}
-	return low < n && sorted[low] >> 32 == v ? low : n;
-}
-
-/* The same for any number: 1, 0, or -1 where memory is out. */
+/* mp_is_short_ring() for any number: 1, 0, or -1 where memory is out. */
 static int is_ring(struct ring *r, const uint64_t *link, size_t n)
 {
 	size_t at = 0;
@@ -202,26 +186,19 @@ static int is_ring(struct ring *r, const uint64_t *link, size_t n)
 	memcpy(r->sorted, link, n * sizeof *link);
 	mp_sort_u64(r->sorted, n);
 	for (size_t i = 0; i < n; i++) {
-		at = find_link(r->sorted, n, (uint32_t)r->sorted[at]);
+		at = mp_find_link(r->sorted, n, (uint32_t)r->sorted[at]);
 		if (at == n || (at == 0) != (i == n - 1))
 			return 0;
 	}
 	return 1;
 }
 
-static uint32_t smallest_neighbour(const uint64_t *link, size_t n, uint32_t v)
-{
-	for (size_t i = 0; i < n; i++)
-		v = (uint32_t)(link[i] >> 32) < v ? (uint32_t)(link[i] >> 32) : v;
-	return v;
-}
-
-/* Look at the vertices whose links are there: 1 if every one has its ring, else 0 or -1. */
-static int look_at_range(struct ring *r)
+/* Look at some of the vertices whose links are there: 1 if each has its ring, else 0 or -1. */
+static int look_at_some(struct ring *r, uint32_t begin, uint32_t end)
 {
 	size_t base = r->row[r->low];
 
-	for (uint32_t v = r->low; v < r->high; v++) {
+	for (uint32_t v = begin; v < end; v++) {
 		const uint64_t *link = r->link + (r->row[v] - base);
 		size_t n = r->row[v + 1] - r->row[v];
 		int good = 1;
@@ -234,9 +211,26 @@ static int look_at_range(struct ring *r)
 			good = is_ring(r, link, n);
 		if (good != 1)
 			return good; /* NOLINT(clang-analyzer-unix.Malloc): r owns it */
-		r->label[v] = smallest_neighbour(link, n, v);
+		r->label[v] = mp_smallest_neighbour(link, n, v);
 	}
 	return 1;
+}
+
+static int look_at_range(struct ring *r)
+{
+	const struct mp_links_sink *watcher = r->mesh->watcher;
+	int good = 1;
+
+	for (uint32_t v = r->low, end; v < r->high && good == 1; v = end) {
+		const uint64_t *link = r->link + (r->row[v] - r->row[r->low]);
+
+		end = r->high - v < BLOCK ? r->high : v + BLOCK;
+		good = look_at_some(r, v, end);
+		if (good == 1 && watcher != NULL)
+			watcher->take(watcher->self,
+				      &(struct mp_links){v, end - v, r->row + v, link});
+	}
+	return good;
 }
 
 /* Look at all vertices: 1 if every one has its ring, else 0, or -1 where memory is out. */

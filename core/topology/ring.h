@@ -2,6 +2,7 @@
 #define MP_RING_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 /*
@@ -35,6 +36,30 @@ static inline __attribute__((always_inline)) bool mp_is_short_ring(const uint64_
 		home |= at == 0;
 	}
 	return home == 0 && next[at] == 0;
+}
+
+/* The link of ${n} that leaves for ${v}, by their order; ${n} where there is none. */
+static inline size_t mp_find_link(const uint64_t *sorted, size_t n, uint32_t v)
+{
+	size_t low = 0, high = n;
+
+	while (low < high) {
+		size_t mid = low + (high - low) / 2;
+
+		if (sorted[mid] >> 32 < v)
+			low = mid + 1;
+		else
+			high = mid;
+	}
+	return low < n && sorted[low] >> 32 == v ? low : n;
+}
+
+/* Of vertex ${v} and those that its links leave for. */
+static inline uint32_t mp_smallest_neighbour(const uint64_t *link, size_t n, uint32_t v)
+{
+	for (size_t i = 0; i < n; i++)
+		v = (uint32_t)(link[i] >> 32) < v ? (uint32_t)(link[i] >> 32) : v;
+	return v;
 }
 
 #endif

@@ -10,6 +10,23 @@
 
 struct mp_affine;
 
+/*
+ * The triangles around ${count} vertices from ${first} on: a link is the corner behind the vertex
+ * << 32 | the one before it.  Those of vertex first + i are link[row[i] - row[0]] and on, as many
+ * as row[i + 1] - row[i]; in the order of the triangles.
+ */
+struct mp_links {
+	uint32_t first, count;
+	const uint32_t *row; /* count + 1 */
+	const uint64_t *link;
+};
+
+/* Is shown the links of vertices, ascending and each once, by those who have them in a cache. */
+struct mp_links_sink {
+	void (*take)(void *self, const struct mp_links *);
+	void *self;
+};
+
 struct mp_mesh {
 	const struct mp_vertices *vertices;
 	const uint32_t (*tri)[3]; /* vertex numbers, each < mp_vertices_count(vertices) */
@@ -20,6 +37,11 @@ struct mp_mesh {
 	 */
 	const uint64_t *flat;
 	const struct mp_affine *map; /* what loops and caps are measured under, NULL for nothing */
+	/*
+	 * NULL, or who is shown links by mp_topology_find(): those of all vertices if every edge is
+	 * used once each way and every vertex has one fan, else maybe of some.
+	 */
+	const struct mp_links_sink *watcher;
 };
 
 /*

@@ -88,11 +88,13 @@ static int grow_slots(struct mp_vertices *v, struct mp_error *err)
 static int resize_xyz(struct mp_vertices *v, uint64_t room, bool wide, struct mp_error *err)
 {
 	uint64_t each = 3 * (wide ? sizeof(double) : sizeof(float));
+	size_t bytes;
 	void *p;
 
-	if (room > SIZE_MAX / each)
+	if (room > SIZE_MAX / each - 1)
 		return mp_fail_nomem(err);
-	p = mp_huge(realloc(v->xyz, (size_t)(room * each)), (size_t)(room * each));
+	bytes = (size_t)(room * each) + sizeof(double); /* one behind: vertices.h */
+	p = mp_huge(realloc(v->xyz, bytes), bytes);
 	if (p == NULL)
 		return mp_fail_nomem(err);
 	v->xyz = p;

@@ -41,7 +41,8 @@ void mp_vertices_corners(const struct mp_vertices *, const uint32_t number[3], d
 
 /*
  * All coordinates as they are kept, three a vertex, for loops that look at every one: the floats or
- * the doubles; the other pointer becomes NULL.  Good until the next add() or seal().
+ * the doubles; the other pointer becomes NULL.  One more may be read behind the last, so that the
+ * three of a vertex can be had as four.  Good until the next add() or seal().
  */
 void mp_vertices_all(const struct mp_vertices *, const float **narrow, const double **wide);
 

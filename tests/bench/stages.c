@@ -37,6 +37,8 @@ struct work {
 	uint64_t *flat; /* as mp_flat_mark() has it */
 	struct mp_mesh mesh;
 	struct mp_topology topology;
+	uint32_t *row; /* struct mp_links of all vertices */
+	uint64_t *link;
 	struct mp_moments moments;
 	struct mp_exact_grid grid;
 };
@@ -165,17 +167,33 @@ static void run_exact(struct work *w)
 	mp_exact_free(&e);
 }
 
-static void run_uncertainty(struct work *w)
+static struct mp_rounded_solid rounded(const struct work *w)
 {
 	const struct mp_moments *m = &w->moments;
 	struct mp_rounded_solid s = {.mesh = &w->mesh, .float32 = true, .volume = 1};
-	struct mp_deviation deviation;
 
 	for (int k = 0; k < 3; k++) {
 		s.min[k] = m->min[k];
 		s.max[k] = m->max[k];
 	}
-	if (mp_uncertainty_find(&s, &deviation, NULL))
+	return s;
+}
+
+/* By links that the topology has shown, as always where a mesh is closed and manifold. */
+static void run_uncertainty(struct work *w)
+{
+	const uint32_t vertices = mp_vertices_count(w->vertices);
+	const struct mp_rounded_solid s = rounded(w);
+	struct mp_uncertainty_state state;
+	struct mp_deviation deviation;
+
+	mp_uncertainty_begin(&state, &s);
+	for (uint32_t v = 0, n; v < vertices; v += n) {
+		n = vertices - v < 1024 ? vertices - v : 1024;
+		state.watcher.take(&state,
+				   &(struct mp_links){v, n, w->row + v, w->link + w->row[v]});
+	}
+	if (mp_uncertainty_end(&state, &s, &deviation, NULL))
 		die("no memory");
 }
 
@@ -227,16 +245,34 @@ static void change(struct work *w, int bits)
 		}
 }
 
+static void keep_links(void *self, const struct mp_links *l)
+{
+	struct work *w = self;
+	uint32_t at = l->first == 0 ? 0 : w->row[l->first];
+
+	for (uint32_t i = 0; i <= l->count; i++)
+		w->row[l->first + i] = at + (l->row[i] - l->row[0]);
+	memcpy(w->link + at, l->link, (l->row[l->count] - l->row[0]) * sizeof *l->link);
+}
+
 static void find_mesh(struct work *w)
 {
+	const struct mp_links_sink keeper = {keep_links, w};
+
 	run_moments(w);
 	run_vertices(w);
 	run_marks(w);
 	w->mesh = (struct mp_mesh){.vertices = w->vertices,
 				   .tri = (const uint32_t(*)[3])w->corner,
 				   .triangles = (uint32_t)w->count,
-				   .flat = w->flat};
+				   .flat = w->flat,
+				   .watcher = &keeper};
+	w->row = malloc(((size_t)mp_vertices_count(w->vertices) + 1) * sizeof *w->row);
+	w->link = malloc(3 * w->count * sizeof *w->link);
+	if (w->row == NULL || w->link == NULL)
+		die("no memory");
 	run_topology(w);
+	w->mesh.watcher = NULL;
 }
 
 static void read_file(struct work *w, const char *path)
@@ -261,6 +297,8 @@ static void work_free(struct work *w)
 	free(w->corner);
 	free(w->flat);
 	mp_vertices_free(w->vertices);
+	free(w->row);
+	free(w->link);
 	mp_topology_free(&w->topology);
 	mp_exact_grid_free(&w->grid);
 	memset(w, 0, sizeof *w);

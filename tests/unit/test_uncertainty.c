@@ -63,7 +63,8 @@ static void take(struct shaken *s, const struct mesh *m)
 	    mp_vertices_add(s->vertices, (const double(*)[9])m->tri, m->count, s->tri, &err), 0);
 	s->at = malloc(mp_vertices_count(s->vertices) * sizeof *s->at);
 	assert_non_null(s->at);
-	s->mesh = (struct mp_mesh){s->vertices, (const uint32_t(*)[3])s->tri, s->count, NULL, NULL};
+	s->mesh = (struct mp_mesh){
+	    .vertices = s->vertices, .tri = (const uint32_t(*)[3])s->tri, .triangles = s->count};
 	solve((const double(*)[9])m->tri, s->count, &s->solid);
 }
 
