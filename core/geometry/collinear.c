@@ -13,7 +13,7 @@ enum { LANES = 8 };
  * products have relative errors of 2^-53 each, so 2^-50 of both products is more than enough; the
  * constant is for underflow.  False where something overflowed.
  */
-INLINE bool differs(double a, double b, double c, double d)
+INLINE int64_t differs(double a, double b, double c, double d)
 {
 	double p = a * b, q = c * d;
 
