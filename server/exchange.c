@@ -247,6 +247,7 @@ ssize_t srv_exchange_bytes(struct srv_exchange *ex, const uint8_t *bytes, size_t
 		return 0;
 	if (ex->worker != NULL) {
 		taken = srv_pool_put(ex, bytes, len);
+		ex->front->unwoken = true;
 		if (taken < len)
 			ex->blocked_since = now;
 	} else if (!ex->answered) {

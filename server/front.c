@@ -14,7 +14,7 @@
 #include "server/http.h"
 
 enum { TRIM_FROM = 4 << 20 }; /* bytes */
-enum { EVENTS = 64, TICK_MS = 100, MOST_FRUITLESS = 100 };
+enum { EVENTS = 64, TICK_MS = 100, MOST_FRUITLESS = 100, MOST_UNWOKEN = 16 };
 
 int srv_front_watch(struct srv_front *f, int fd, enum srv_event kind, unsigned index,
 		    uint32_t events)
@@ -154,13 +154,31 @@ static int wait_ms(struct srv_front *f)
 	return ms >= 0 && ms < TICK_MS ? ms : TICK_MS;
 }
 
+/*
+ * Waking a worker costs as much as what it does with a piece of a body, so it sleeps until there
+ * are several: until the front has nothing to do but to wait, or was too busy for a while.
+ */
+static int before_sleep(struct srv_front *f)
+{
+	int ms = wait_ms(f);
+
+	if (!f->unwoken || (ms == 0 && f->unwoken_rounds++ < MOST_UNWOKEN))
+		return ms;
+	for (struct srv_exchange *ex = f->exchanges; ex != NULL; ex = ex->next)
+		if (ex->worker != NULL)
+			srv_pool_wake(ex);
+	f->unwoken = false;
+	f->unwoken_rounds = 0;
+	return ms;
+}
+
 static void loop(struct srv_front *f)
 {
 	struct epoll_event event[EVENTS];
 	double ticked = srv_now();
 
 	while (!f->stop) {
-		int n = epoll_wait(f->epoll, event, EVENTS, wait_ms(f));
+		int n = epoll_wait(f->epoll, event, EVENTS, before_sleep(f));
 		double now;
 
 		for (int i = 0; i < n; i++)

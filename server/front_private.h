@@ -29,6 +29,8 @@ struct srv_front {
 	bool refusing; /* no new work is taken */
 	double drain_began;
 	bool stop;
+	bool unwoken; /* some worker may sleep over bytes of its body */
+	unsigned unwoken_rounds;
 	unsigned fruitless; /* rounds in a row without an event or a step of a request */
 	char *capabilities;
 	size_t capabilities_len;

@@ -286,6 +286,12 @@ size_t srv_pool_put(struct srv_exchange *ex, const uint8_t *bytes, size_t len)
 	return n;
 }
 
+void srv_pool_wake(struct srv_exchange *ex)
+{
+	if (srv_ring_wake(ex->worker->segment))
+		(void)tell(ex->worker, SRV_MSG_WAKE, NULL, 0);
+}
+
 void srv_pool_end(struct srv_exchange *ex)
 {
 	bool wake;

@@ -63,6 +63,9 @@ void srv_pool_drop(struct srv_pool *, struct srv_exchange *ex);
 /* Body bytes for the worker of ${ex}: how many its ring took. */
 size_t srv_pool_put(struct srv_exchange *ex, const uint8_t *bytes, size_t len);
 
+/* No more of them are coming at once: its worker may sleep no longer. */
+void srv_pool_wake(struct srv_exchange *ex);
+
 /* The body of ${ex}, which has a worker, is complete. */
 void srv_pool_end(struct srv_exchange *ex);
 

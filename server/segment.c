@@ -59,8 +59,15 @@ size_t srv_ring_put(struct srv_segment *s, const uint8_t *bytes, size_t len, boo
 	}
 	copy_in(s, head, bytes, n);
 	atomic_store(&s->head, head + n);
-	*wake = n > 0 && take_flag(&s->worker_waits);
+	*wake =
+	    n > 0 && SRV_RING - room(s, head + n) >= SRV_RING / 4 && take_flag(&s->worker_waits);
 	return n;
+}
+
+bool srv_ring_wake(struct srv_segment *s)
+{
+	return room(s, atomic_load_explicit(&s->head, memory_order_relaxed)) < SRV_RING &&
+	       take_flag(&s->worker_waits);
 }
 
 void srv_ring_end(struct srv_segment *s, bool *wake)

@@ -79,9 +79,14 @@ void srv_ring_reset(struct srv_segment *);
 
 /*
  * Front: put up to ${len} bytes in; returns how many fitted.  Sets ${*wake} where the worker
- * sleeps and must be told.  Less than ${len}: front_waits is set, a ROOM message will come.
+ * sleeps and must be told, which it need not be for less than SRV_RING / 4 bytes: whoever puts so
+ * few asks srv_ring_wake() when more is not coming at once.  Less than ${len}: front_waits is set,
+ * a ROOM message will come.
  */
 size_t srv_ring_put(struct srv_segment *, const uint8_t *bytes, size_t len, bool *wake);
+
+/* Front: does the worker sleep over bytes, and must be told? */
+bool srv_ring_wake(struct srv_segment *);
 
 /* Front: no more bytes will come.  Sets ${*wake} as above. */
 void srv_ring_end(struct srv_segment *, bool *wake);

@@ -61,10 +61,10 @@ INLINE bool none(const float (*xyz)[MP_BLOCK], size_t at)
 		double ux = (double)xyz[3][i] - ax, vx = (double)xyz[6][i] - ax;
 		double uy = (double)xyz[4][i] - ay, vy = (double)xyz[7][i] - ay;
 		double uz = (double)xyz[5][i] - az, vz = (double)xyz[8][i] - az;
-		int64_t sure =
-		    differs(uy, vz, uz, vy) | differs(uz, vx, ux, vz) | differs(ux, vy, uy, vx);
+		bool x = differs(uy, vz, uz, vy), y = differs(uz, vx, ux, vz);
+		bool z = differs(ux, vy, uy, vx);
 
-		unsure |= !sure;
+		unsure |= (x + y) + z == 0;
 	}
 	return unsure == 0;
 }

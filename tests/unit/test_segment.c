@@ -175,10 +175,26 @@ static void a_sleeper_is_woken_once(void **state)
 	assert_true(srv_ring_sleep(s));
 	assert_int_equal(put(s, 0, 0, &wake), 0);
 	assert_false(wake); /* nothing came */
+	assert_false(srv_ring_wake(s));
 	assert_int_equal(put(s, 0, 10, &wake), 10);
-	assert_true(wake);
-	assert_int_equal(put(s, 10, 10, &wake), 10);
+	assert_false(wake);            /* not for so few, */
+	assert_true(srv_ring_wake(s)); /* unless no more is coming */
+	assert_false(srv_ring_wake(s));
+	assert_int_equal(put(s, 10, SRV_RING / 2, &wake), SRV_RING / 2);
 	assert_false(wake);
+}
+
+static void a_sleeper_is_woken_by_a_quarter_of_the_ring(void **state)
+{
+	struct srv_segment *s = *state;
+	bool wake;
+
+	assert_true(srv_ring_sleep(s));
+	assert_int_equal(put(s, 0, SRV_RING / 4 - 1, &wake), SRV_RING / 4 - 1);
+	assert_false(wake);
+	assert_int_equal(put(s, SRV_RING / 4 - 1, 1, &wake), 1);
+	assert_true(wake);
+	assert_false(srv_ring_wake(s));
 }
 
 static void nobody_sleeps_over_bytes_the_end_or_a_cancellation(void **state)
@@ -354,6 +370,8 @@ static bool produce(struct stress *t, uint8_t *chunk, size_t most)
 				return false;
 		}
 		at += len;
+		if (next_random(&seed) % 4 == 0 && srv_ring_wake(t->s))
+			sem_post(&t->wake);
 	}
 	srv_ring_end(t->s, &wake);
 	if (wake)
@@ -392,6 +410,7 @@ int main(void)
 	    TEST(a_full_ring_takes_no_more_until_half_is_free),
 	    TEST(a_put_that_fits_owes_no_message),
 	    TEST(a_sleeper_is_woken_once),
+	    TEST(a_sleeper_is_woken_by_a_quarter_of_the_ring),
 	    TEST(nobody_sleeps_over_bytes_the_end_or_a_cancellation),
 	    TEST(the_end_wakes_and_leaves_the_last_bytes),
 	    TEST(a_reset_ring_knows_nothing_of_the_last_job),
