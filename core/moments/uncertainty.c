@@ -26,7 +26,7 @@ static const int AXIS[LANES] = {2, 0, 1}; /* z, x, y: of lanes */
  */
 static void set_turn(struct mp_uncertainty_state *s, const struct mp_affine *map)
 {
-	struct mp_ring_frame *f = &s->frame;
+	struct mp_deviation_frame *f = &s->frame;
 
 	f->turned = map != NULL;
 	for (int i = 0; i < 3; i++) {
@@ -46,7 +46,7 @@ static void set_turn(struct mp_uncertainty_state *s, const struct mp_affine *map
 }
 
 /* A box without an extent along an axis takes the factor of the others: nothing is scaled away. */
-static void set_scale(struct mp_ring_frame *f, const struct mp_rounded_solid *s)
+static void set_scale(struct mp_deviation_frame *f, const struct mp_rounded_solid *s)
 {
 	int exponent[3], top = INT_MIN;
 
@@ -75,7 +75,7 @@ static void set_origin(struct mp_uncertainty_state *state, const struct mp_round
 	}
 }
 
-static void set_steps(struct mp_ring_frame *f, const struct mp_rounded_solid *s)
+static void set_steps(struct mp_deviation_frame *f, const struct mp_rounded_solid *s)
 {
 	for (int lane = 0; lane < LANES; lane++) {
 		double scale = f->scale[AXIS[lane]];
@@ -98,7 +98,7 @@ void mp_uncertainty_begin(struct mp_uncertainty_state *state, const struct mp_ro
 	memset(state, 0, sizeof *state);
 	state->watcher = (struct mp_links_sink){take, state};
 	state->mesh = s->mesh;
-	state->kernel = mp_ring_kernel_get(mp_ring_kernel_count() - 1);
+	state->kernel = mp_deviation_kernel_get(mp_deviation_kernel_count() - 1);
 	set_scale(&state->frame, s);
 	set_origin(state, s);
 	set_steps(&state->frame, s);
@@ -153,7 +153,7 @@ static int look_at_all(struct mp_uncertainty_state *s, struct mp_error *err)
 	return failed ? mp_fail_nomem(err) : 0;
 }
 
-static long double sum_of(const double lane[MP_RING_LANES])
+static long double sum_of(const double lane[MP_DEVIATION_LANES])
 {
 	return (long double)lane[0] + (long double)lane[1] + (long double)lane[2];
 }

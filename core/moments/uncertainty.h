@@ -51,9 +51,9 @@ struct mp_uncertainty_state {
 	struct mp_links_sink watcher;
 	const struct mp_mesh *mesh;
 	double row_scale[3]; /* a row's derivatives times this are those wanted */
-	const struct mp_ring_kernel *kernel;
-	struct mp_ring_frame frame;
-	struct mp_ring_sums sums;
+	const struct mp_deviation_kernel *kernel;
+	struct mp_deviation_frame frame;
+	struct mp_deviation_sums sums;
 	uint32_t seen; /* vertices 0 .. seen - 1 are in the sums */
 };
 void mp_uncertainty_begin(struct mp_uncertainty_state *, const struct mp_rounded_solid *);

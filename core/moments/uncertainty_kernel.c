@@ -38,7 +38,7 @@ INLINE void load(const double x[4], double factor, wide *out)
 
 /* Floats as they are, halves of doubles, so that no difference overflows; the fourth is anything.
  */
-INLINE void find_point(const struct mp_ring_frame *f, bool floats, size_t vertex, wide *out)
+INLINE void find_point(const struct mp_deviation_frame *f, bool floats, size_t vertex, wide *out)
 {
 	quad q;
 
@@ -51,7 +51,7 @@ INLINE void find_point(const struct mp_ring_frame *f, bool floats, size_t vertex
 	}
 }
 
-INLINE void set_frame(const struct mp_ring_frame *f, bool floats, struct frame *out)
+INLINE void set_frame(const struct mp_deviation_frame *f, bool floats, struct frame *out)
 {
 	const double unit = floats ? 1 : 0.5; /* of points */
 
@@ -63,7 +63,7 @@ INLINE void set_frame(const struct mp_ring_frame *f, bool floats, struct frame *
 	out->least = 0x1p-126 * unit;
 }
 
-INLINE void add_link(const struct mp_ring_frame *f, bool floats, uint64_t link,
+INLINE void add_link(const struct mp_deviation_frame *f, bool floats, uint64_t link,
 		     const struct frame *frame, const struct vertex *own, struct rows *sum)
 {
 	wide a, b, n, s;
@@ -94,7 +94,7 @@ INLINE void find_steps(const struct frame *f, const wide *at, wide *out)
 	*out = h * h + f->step2;
 }
 
-INLINE void turn(const struct mp_ring_frame *f, struct rows *r)
+INLINE void turn(const struct mp_deviation_frame *f, struct rows *r)
 {
 	const wide x = r->x, y = r->y, z = r->z;
 
@@ -116,10 +116,10 @@ INLINE void add_vertex(const struct rows *r, const wide *h2, wide out[7])
 	out[6] += *h2 * (r->z * r->z);
 }
 
-INLINE void add_all(struct mp_ring_sums *sums, const struct mp_ring_frame *given, bool floats,
-		    const struct mp_links *links)
+INLINE void add_all(struct mp_deviation_sums *sums, const struct mp_deviation_frame *given,
+		    bool floats, const struct mp_links *links)
 {
-	const struct mp_ring_frame f = *given; /* where no store can reach it */
+	const struct mp_deviation_frame f = *given; /* where no store can reach it */
 	const uint32_t *row = links->row;
 	const uint64_t *link = links->link, *end = link,
 		       *last = link + (row[links->count] - row[0]);
@@ -150,14 +150,15 @@ INLINE void add_all(struct mp_ring_sums *sums, const struct mp_ring_frame *given
 	memcpy(sums, out, sizeof out);
 }
 
-#define KERNEL(name, features)                                                              \
-	features static void name(struct mp_ring_sums *sums, const struct mp_ring_frame *f, \
-				  const struct mp_links *links)                             \
-	{                                                                                   \
-		if (f->narrow != NULL)                                                      \
-			add_all(sums, f, true, links);                                      \
-		else                                                                        \
-			add_all(sums, f, false, links);                                     \
+#define KERNEL(name, features)                                        \
+	features static void name(struct mp_deviation_sums *sums,     \
+				  const struct mp_deviation_frame *f, \
+				  const struct mp_links *links)       \
+	{                                                             \
+		if (f->narrow != NULL)                                \
+			add_all(sums, f, true, links);                \
+		else                                                  \
+			add_all(sums, f, false, links);               \
 	}
 
 KERNEL(add_plain, )
@@ -165,22 +166,22 @@ KERNEL(add_plain, )
 #if defined(__x86_64__) && defined(__GNUC__)
 KERNEL(add_avx2, __attribute__((target("avx2"))))
 
-static const struct mp_ring_kernel KERNELS[] = {{"plain", add_plain}, {"avx2", add_avx2}};
+static const struct mp_deviation_kernel KERNELS[] = {{"plain", add_plain}, {"avx2", add_avx2}};
 
-size_t mp_ring_kernel_count(void)
+size_t mp_deviation_kernel_count(void)
 {
 	return __builtin_cpu_supports("avx2") ? 2 : 1;
 }
 #else
-static const struct mp_ring_kernel KERNELS[] = {{"plain", add_plain}};
+static const struct mp_deviation_kernel KERNELS[] = {{"plain", add_plain}};
 
-size_t mp_ring_kernel_count(void)
+size_t mp_deviation_kernel_count(void)
 {
 	return 1;
 }
 #endif
 
-const struct mp_ring_kernel *mp_ring_kernel_get(size_t i)
+const struct mp_deviation_kernel *mp_deviation_kernel_get(size_t i)
 {
 	return &KERNELS[i];
 }

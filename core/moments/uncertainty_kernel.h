@@ -13,10 +13,10 @@
  * of a vertex that are moved, in the order z, x, y, in which cross products come out of vectors;
  * the last one is not used.
  */
-enum { MP_RING_LANES = 4, MP_RING_ROWS = 3 };
+enum { MP_DEVIATION_LANES = 4, MP_DEVIATION_ROWS = 3 };
 
 /* By axis (x, y, z) or by lane (z, x, y), with a 0 behind. */
-struct mp_ring_frame {
+struct mp_deviation_frame {
 	const float
 	    *narrow; /* the coordinates as they are kept: one of these, with one more behind */
 	const double *wide;
@@ -33,17 +33,19 @@ struct mp_ring_frame {
  * moment M; the square of each M.  In h, V and M lengths are scaled; V is 6 times what it is
  * called, M 24 times.
  */
-struct mp_ring_sums {
-	double vv[MP_RING_LANES], vm[MP_RING_ROWS][MP_RING_LANES], mm[MP_RING_ROWS][MP_RING_LANES];
+struct mp_deviation_sums {
+	double vv[MP_DEVIATION_LANES], vm[MP_DEVIATION_ROWS][MP_DEVIATION_LANES],
+	    mm[MP_DEVIATION_ROWS][MP_DEVIATION_LANES];
 };
 
-struct mp_ring_kernel {
+struct mp_deviation_kernel {
 	const char *name;
-	void (*add)(struct mp_ring_sums *, const struct mp_ring_frame *, const struct mp_links *);
+	void (*add)(struct mp_deviation_sums *, const struct mp_deviation_frame *,
+		    const struct mp_links *);
 };
 
 /* The kernels that this machine can run, the plain one first, the best one last. */
-size_t mp_ring_kernel_count(void);
-const struct mp_ring_kernel *mp_ring_kernel_get(size_t i);
+size_t mp_deviation_kernel_count(void);
+const struct mp_deviation_kernel *mp_deviation_kernel_get(size_t i);
 
 #endif

@@ -240,7 +240,7 @@ static void extremes_of_coordinates_are_no_matter(void **unused)
 	}
 }
 
-static void add_with(const struct mp_ring_kernel *kernel, struct mp_uncertainty_state *state,
+static void add_with(const struct mp_deviation_kernel *kernel, struct mp_uncertainty_state *state,
 		     const struct mp_rounded_solid *r, struct mp_deviation *out)
 {
 	mp_uncertainty_begin(state, r);
@@ -263,9 +263,9 @@ static void all_kernels_give_the_same_bits(void **unused)
 		mesh_random(&random, &state);
 		take(&s, &random.mesh);
 		r = describe(&s, &random.mesh);
-		add_with(mp_ring_kernel_get(0), &plain, &r, &d);
-		for (size_t k = 1; k < mp_ring_kernel_count(); k++) {
-			add_with(mp_ring_kernel_get(k), &other, &r, &d);
+		add_with(mp_deviation_kernel_get(0), &plain, &r, &d);
+		for (size_t k = 1; k < mp_deviation_kernel_count(); k++) {
+			add_with(mp_deviation_kernel_get(k), &other, &r, &d);
 			for (int lane = 0; lane < 3; lane++)
 				for (int row = 0; row < 7; row++)
 					assert_memory_equal(&plain.sums.vv[4 * row + lane],
