@@ -70,6 +70,8 @@ opt_core/fingerprint/aes.c := -O3
 opt_core/fingerprint/fingerprint_kernel.c := -O3
 opt_core/topology/vertices.c := -O3
 opt_core/topology/recent.c := -O3
+opt_core/topology/index.c := -O3
+opt_core/draco/draco.c := -O3
 
 optimised = $(patsubst -O2,$(or $(opt_$<),-O2),$(CFLAGS))
 flags     = $(DEFINES) $(CPPFLAGS) $(WARN) -fPIE $(optimised) $(HARDEN) $(MATH)

@@ -173,25 +173,39 @@ static inline double number(enum mp_draco_type type, const uint8_t *p)
 	return 0;
 }
 
+static bool all_below(const uint32_t *number, size_t count, uint64_t limit)
+{
+	uint32_t most = 0;
+
+	for (size_t i = 0; i < count; i++)
+		most = number[i] > most ? number[i] : most;
+	return most < limit;
+}
+
+/* The face (from 0) of the first of ${number} that is not below ${limit}, and that one. */
+static int fail_index(const struct mp_draco_shape *s, const uint32_t *number, bool points,
+		      uint64_t first, uint64_t limit, struct mp_error *err)
+{
+	size_t i = 0;
+
+	while (number[i] < limit)
+		i++;
+	return mp_fail(err, MP_BAD_INDEX, MP_NO_BYTE,
+		       "face %" PRIu64 " (from 0) names %s %" PRIu32 " of %" PRIu64, first + i / 3,
+		       points ? "point" : "position", number[i], points ? s->points : s->values);
+}
+
 /* ${corner} names points; afterwards the values they have. */
 static int find_values(const struct mp_draco_mesh *mesh, const struct mp_draco_shape *s,
 		       uint64_t first, uint32_t *corner, size_t count, struct mp_error *err)
 {
-	size_t i;
+	uint64_t known = s->points < s->mapped ? s->points : s->mapped;
 
-	for (i = 0; i < count && corner[i] < s->points && corner[i] < s->mapped; i++)
-		;
-	if (i < count)
-		return mp_fail(err, MP_BAD_INDEX, MP_NO_BYTE,
-			       "face %" PRIu64 " (from 0) names point %" PRIu32 " of %" PRIu64,
-			       first + i / 3, corner[i], s->points);
+	if (!all_below(corner, count, known))
+		return fail_index(s, corner, true, first, known, err);
 	mp_draco_values(mesh, corner, count);
-	for (i = 0; i < count && corner[i] < s->values; i++)
-		;
-	if (i < count)
-		return mp_fail(err, MP_BAD_INDEX, MP_NO_BYTE,
-			       "face %" PRIu64 " (from 0) names position %" PRIu32 " of %" PRIu64,
-			       first + i / 3, corner[i], s->values);
+	if (!all_below(corner, count, s->values))
+		return fail_index(s, corner, false, first, s->values, err);
 	return 0;
 }
 
@@ -217,6 +231,27 @@ static int load(const struct mp_draco_shape *s, uint64_t first, const uint32_t *
 	return 0;
 }
 
+/* The same of floats, quickly; false where some are not finite. */
+static bool load_floats(const struct mp_draco_shape *s, const uint32_t *corner, size_t count,
+			double *out)
+{
+	const uint8_t *data = s->data + s->offset;
+	uint32_t bad = 0;
+
+	for (size_t i = 0; i < count; i++) {
+		uint32_t bits[3];
+		float x[3];
+
+		memcpy(bits, data + s->stride * corner[i], sizeof bits);
+		memcpy(x, bits, sizeof x);
+		for (size_t k = 0; k < 3; k++) { /* all bits of the exponent carry into the next */
+			bad |= (bits[k] & 0x7f800000) + 0x00800000;
+			out[3 * i + k] = (double)x[k];
+		}
+	}
+	return bad >> 31 == 0;
+}
+
 static int send(struct draco *d, const struct mp_draco_mesh *mesh, const struct mp_draco_shape *s,
 		struct mp_error *err)
 {
@@ -228,7 +263,9 @@ static int send(struct draco *d, const struct mp_draco_mesh *mesh, const struct 
 		size_t n = s->faces - at < MP_BLOCK ? (size_t)(s->faces - at) : MP_BLOCK;
 
 		mp_draco_faces(mesh, at, n, corner);
-		if (find_values(mesh, s, at, corner[0], 3 * n, err) ||
+		if (find_values(mesh, s, at, corner[0], 3 * n, err))
+			return -1;
+		if ((s->type != MP_DRACO_FLOAT32 || !load_floats(s, corner[0], 3 * n, tri[0])) &&
 		    load(s, at, corner[0], 3 * n, tri[0], err))
 			return -1;
 		if (sink->indices != NULL &&

@@ -19,9 +19,7 @@ using draco::PointAttribute;
 
 struct mp_draco_mesh {
 	std::unique_ptr<draco::Mesh> mesh;
-	const PointAttribute *positions = nullptr; /* the mesh's own: points to values */
-	const PointAttribute *held = nullptr;      /* the values: positions or floats */
-	PointAttribute floats;
+	PointAttribute *positions = nullptr; /* the mesh's own */
 };
 
 static mp_draco_type type_of(draco::DataType type)
@@ -75,38 +73,42 @@ static draco::Status decode(const uint8_t *file, size_t len, bool raw, mp_draco_
 	buffer.Init(reinterpret_cast<const char *>(file), len);
 	if (raw)
 		decoder.SetSkipAttributeTransform(GeometryAttribute::POSITION);
-	m->held = m->positions = nullptr;
+	m->positions = nullptr;
 	m->mesh.reset(); /* two meshes at a time are one too many */
 	auto result = decoder.DecodeMeshFromBuffer(&buffer);
 	if (!result.ok())
 		return result.status();
 	m->mesh = std::move(result).value();
-	m->held = m->positions = m->mesh->GetNamedAttribute(GeometryAttribute::POSITION);
+	const int32_t positions = m->mesh->GetNamedAttributeId(GeometryAttribute::POSITION);
+	if (positions >= 0)
+		m->positions = m->mesh->attribute(positions);
 	*used = buffer.remaining_size() < 0 ? len : len - (uint64_t)buffer.remaining_size();
 	return draco::OkStatus();
 }
 
-/* From the file's integers to the floats that libdraco makes of them, by libdraco. */
-static bool dequantise(mp_draco_mesh *m, double *step)
+/*
+ * From the file's integers to the floats that libdraco makes of them, by libdraco, in their place:
+ * it goes over them once, in order.
+ */
+static bool dequantise(PointAttribute *p, double *step)
 {
-	const PointAttribute *from = m->positions;
 	draco::AttributeQuantizationTransform transform;
 
-	if (!transform.InitFromAttribute(*from) || from->num_components() != 3 ||
-	    from->data_type() != draco::DT_INT32 || from->byte_stride() != 12 ||
-	    from->byte_offset() != 0 || from->buffer()->data_size() / 12 < from->size())
+	if (!transform.InitFromAttribute(*p) || p->num_components() != 3 ||
+	    p->data_type() != draco::DT_INT32 || p->byte_stride() != 12 || p->byte_offset() != 0 ||
+	    p->buffer()->data_size() / 12 < p->size())
 		return false;
-	m->floats.Init(GeometryAttribute::POSITION, 3, draco::DT_FLOAT32, false, from->size());
-	if (!transform.InverseTransformAttribute(*from, &m->floats))
+	p->GeometryAttribute::Init(GeometryAttribute::POSITION, p->buffer(), 3, draco::DT_FLOAT32,
+				   false, 12, 0);
+	if (!transform.InverseTransformAttribute(*p, p))
 		return false;
-	m->held = &m->floats;
 	*step = (double)transform.range() / (double)((1u << transform.quantization_bits()) - 1);
 	return true;
 }
 
 static void describe(const mp_draco_mesh *m, mp_draco_shape *shape)
 {
-	const PointAttribute *held = m->held;
+	const PointAttribute *held = m->positions;
 
 	shape->faces = m->mesh->num_faces();
 	shape->points = m->mesh->num_points();
@@ -117,8 +119,7 @@ static void describe(const mp_draco_mesh *m, mp_draco_shape *shape)
 	shape->type = type_of(held->data_type());
 	shape->components = (unsigned)held->num_components();
 	shape->values = held->size();
-	shape->mapped =
-	    m->positions->is_mapping_identity() ? shape->points : m->positions->indices_map_size();
+	shape->mapped = held->is_mapping_identity() ? shape->points : held->indices_map_size();
 	shape->data = held->buffer()->data();
 	shape->size = held->buffer()->data_size();
 	shape->offset = (uint64_t)held->byte_offset();
@@ -137,7 +138,7 @@ static draco::Status decode_all(const uint8_t *file, size_t len, mp_draco_mesh *
 	draco::Status status = decode(file, len, raw, m, &shape->used);
 
 	if (status.ok() && raw && m->positions != nullptr &&
-	    m->positions->data_type() == draco::DT_INT32 && !dequantise(m, &shape->step))
+	    m->positions->data_type() == draco::DT_INT32 && !dequantise(m->positions, &shape->step))
 		status = decode(file, len, false, m, &shape->used);
 	return status;
 }
@@ -183,6 +184,8 @@ void mp_draco_faces(const mp_draco_mesh *mesh, uint64_t first, size_t count, uin
 
 void mp_draco_values(const mp_draco_mesh *mesh, uint32_t *point, size_t count)
 {
+	if (mesh->positions->is_mapping_identity())
+		return;
 	for (size_t i = 0; i < count; i++)
 		point[i] = mesh->positions->mapped_index(draco::PointIndex(point[i])).value();
 }
