@@ -68,6 +68,7 @@ opt_core/stl/stl_binary.c := -O3
 opt_core/stl/stl_kernel.c := -O3
 opt_core/fingerprint/aes.c := -O3
 opt_core/fingerprint/fingerprint_kernel.c := -O3
+opt_core/topology/flat.c := -O3
 opt_core/topology/vertices.c := -O3
 opt_core/topology/recent.c := -O3
 opt_core/topology/index.c := -O3

@@ -129,9 +129,8 @@ static int number_corners(struct mp_analysis *a, const double (*tri)[9], size_t 
 			    err);
 }
 
-static int take_block(void *self, const double (*tri)[9], size_t count, struct mp_error *err)
+static int make_room(struct mp_analysis *a, size_t count, struct mp_error *err)
 {
-	struct mp_analysis *a = self;
 	uint64_t most = a->request.limits.max_triangles;
 
 	if (most > MOST_TRIANGLES)
@@ -139,10 +138,30 @@ static int take_block(void *self, const double (*tri)[9], size_t count, struct m
 	if (count > most - a->triangles)
 		return mp_fail_limit(err, MP_NO_BYTE, most, a->triangles + count,
 				     "more than %llu triangles", (unsigned long long)most);
-	if (reserve(a, count, err) || number_corners(a, tri, count, err))
+	return reserve(a, count, err);
+}
+
+static int take_block(void *self, const double (*tri)[9], size_t count, struct mp_error *err)
+{
+	struct mp_analysis *a = self;
+
+	if (make_room(a, count, err) || number_corners(a, tri, count, err))
 		return -1;
 	mp_moments_add(&a->moments, tri, count);
 	mp_flat_mark(tri, count, a->triangles, a->flat);
+	a->triangles += count;
+	return 0;
+}
+
+static int take_floats(void *self, const float (*xyz)[MP_BLOCK], size_t count, struct mp_error *err)
+{
+	struct mp_analysis *a = self;
+
+	if (make_room(a, count, err) ||
+	    mp_vertices_add_floats(a->vertices, xyz, count, a->tri + a->triangles, err))
+		return -1;
+	mp_moments_add_floats(&a->moments, xyz, count);
+	mp_flat_mark_floats(xyz, count, a->triangles, a->flat);
 	a->triangles += count;
 	return 0;
 }
@@ -207,6 +226,7 @@ struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_
 	a->request.named = NULL;
 	a->request.named_count = 0;
 	a->sink = (struct mp_sink){.block = take_block,
+				   .floats = take_floats,
 				   .part = take_part,
 				   .self = a,
 				   .indices = take_indices,

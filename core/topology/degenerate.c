@@ -1,34 +1,7 @@
-#include <math.h>
-
 #include "core/geometry/predicates.h"
 #include "core/topology/topology_parts.h"
 
 enum { AHEAD = 16 };
-
-/*
- * Whether the projection of ${t} along axis ${k} is certainly not flat: Shewchuk's filter as in
- * predicates.c, with |left| + |right|, which is larger where the signs differ but then equal to
- * the other side.  The limits keep products from underflow and overflow.
- */
-static inline bool is_wide(const double t[9], unsigned k)
-{
-	unsigned l = k == 2 ? 0 : k + 1;
-	double left = (t[k] - t[6 + k]) * (t[3 + l] - t[6 + l]);
-	double right = (t[l] - t[6 + l]) * (t[3 + k] - t[6 + k]);
-	double sum = fabs(left) + fabs(right);
-
-	return sum > 0x1p-960 && sum < 0x1p1020 && fabs(left - right) > 0x1p-51 * sum;
-}
-
-void mp_flat_mark(const double (*tri)[9], size_t count, uint64_t first, uint64_t *flat)
-{
-	for (size_t i = 0; i < count; i++) {
-		uint64_t group = (first + i) / MP_FLAT_GROUP;
-
-		if (!is_wide(tri[i], 0) && !is_wide(tri[i], 1) && !is_wide(tri[i], 2))
-			flat[group / 64] |= (uint64_t)1 << (group % 64);
-	}
-}
 
 static bool is_degenerate(const struct mp_mesh *mesh, const uint32_t v[3])
 {

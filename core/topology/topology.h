@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/decoder.h"
 #include "core/error.h"
 #include "core/topology/vertices.h"
 
@@ -51,6 +52,13 @@ struct mp_mesh {
  */
 enum { MP_FLAT_GROUP = 64 };
 void mp_flat_mark(const double (*tri)[9], size_t count, uint64_t first, uint64_t *flat);
+/* The same of floats as struct mp_sink has them; and by a kernel: 0 the plain one, best one last.
+ */
+void mp_flat_mark_floats(const float (*xyz)[MP_BLOCK], size_t count, uint64_t first,
+			 uint64_t *flat);
+size_t mp_flat_kernels(void);
+void mp_flat_mark_with(size_t kernel, const float (*xyz)[MP_BLOCK], size_t count, uint64_t first,
+		       uint64_t *flat);
 
 #define MP_NO_BODY UINT32_MAX
 

@@ -8,6 +8,7 @@
 #include "core/memory/huge.h"
 #include "core/topology/recent.h"
 #include "core/topology/vertex_bits.h"
+#include "core/topology/vertex_load.h"
 #include "core/topology/vertex_slots.h"
 
 struct mp_vertices {
@@ -247,42 +248,39 @@ static int look_up_rest(struct mp_vertices *v, struct batch *b, unsigned n, uint
 	return 0;
 }
 
-/* ${count} coordinates as floats; returns whether that changed some. */
-static bool load_narrow(const double *x, unsigned count, float *out)
-{
-	uint64_t changed = 0;
+/* One of the two: corners, or all of a block. */
+struct source {
+	const double (*point)[3];
+	const float (*xyz)[MP_BLOCK];
+};
 
-	for (unsigned i = 0; i < count; i++)
-		out[i] = (float)(x[i] + 0.0); /* -0 + 0 is +0 */
-	/* GCC 12's SLP vectoriser may drop the rounding of (double)(float)x: not through memory */
-	__asm__ volatile("" : : "r"(out) : "memory");
-	for (unsigned i = 0; i < count; i++)
-		changed |= bits_of((double)out[i]) ^ bits_of(x[i] + 0.0);
-	return changed != 0;
-}
-
-static void load_wide(const double *x, unsigned count, uint64_t *out)
+/* ${n} corners from ${done} on. */
+static int load(struct mp_vertices *v, const struct source *from, size_t done, unsigned n,
+		struct batch *b, struct mp_error *err)
 {
-	for (unsigned i = 0; i < count; i++)
-		out[i] = bits_of(x[i] + 0.0);
-}
+	const double *x = from->point == NULL ? NULL : from->point[done];
 
-static int load(struct mp_vertices *v, const double (*point)[3], unsigned n, struct batch *b,
-		struct mp_error *err)
-{
-	if (!v->wide && load_narrow(point[0], 3 * n, b->key.narrow[0]) && widen(v, err))
+	if (x == NULL) {
+		float narrow[3 * CORNERS];
+
+		load_columns(from->xyz, done / 3, n / 3, v->wide ? narrow : b->key.narrow[0]);
+		for (unsigned i = 0; v->wide && i < 3 * n; i++)
+			b->key.wide[i / 3][i % 3] = bits_of((double)narrow[i]);
+		return 0;
+	}
+	if (!v->wide && load_narrow(x, 3 * n, b->key.narrow[0]) && widen(v, err))
 		return -1;
 	if (v->wide)
-		load_wide(point[0], 3 * n, b->key.wide[0]);
+		load_wide(x, 3 * n, b->key.wide[0]);
 	return 0;
 }
 
-static int add_batch(struct mp_vertices *v, const double (*point)[3], unsigned n, bool recent,
-		     uint32_t *out, struct mp_error *err)
+static int add_batch(struct mp_vertices *v, const struct source *from, size_t done, unsigned n,
+		     bool recent, uint32_t *out, struct mp_error *err)
 {
 	struct batch b;
 
-	if (reserve(v, n, err) || load(v, point, n, &b, err))
+	if (reserve(v, n, err) || load(v, from, done, n, &b, err))
 		return -1;
 	if (recent && v->count >= RECENT_FROM && v->count < RECENT_UP_TO &&
 	    mp_recent_wanted(&v->recent, v->wide))
@@ -294,14 +292,14 @@ static int add_batch(struct mp_vertices *v, const double (*point)[3], unsigned n
 	return 0;
 }
 
-static int add_all(struct mp_vertices *v, const double (*point)[3], size_t count, bool recent,
+static int add_all(struct mp_vertices *v, const struct source *from, size_t count, bool recent,
 		   uint32_t *out, struct mp_error *err)
 {
 	assert(v->slot != NULL); /* not sealed */
 	for (size_t done = 0; done < count;) {
 		unsigned n = count - done < CORNERS ? (unsigned)(count - done) : CORNERS;
 
-		if (add_batch(v, point + done, n, recent, out + done, err))
+		if (add_batch(v, from, done, n, recent, out + done, err))
 			return -1;
 		done += n;
 	}
@@ -311,14 +309,25 @@ static int add_all(struct mp_vertices *v, const double (*point)[3], size_t count
 int mp_vertices_add(struct mp_vertices *v, const double (*tri)[9], size_t count, uint32_t (*out)[3],
 		    struct mp_error *err)
 {
-	return add_all(v, (const double(*)[3])(const void *)tri, 3 * count, true,
-		       (uint32_t *)(void *)out, err);
+	const struct source from = {.point = (const double(*)[3])(const void *)tri};
+
+	return add_all(v, &from, 3 * count, true, (uint32_t *)(void *)out, err);
+}
+
+int mp_vertices_add_floats(struct mp_vertices *v, const float (*xyz)[MP_BLOCK], size_t count,
+			   uint32_t (*out)[3], struct mp_error *err)
+{
+	const struct source from = {.xyz = xyz};
+
+	return add_all(v, &from, 3 * count, true, (uint32_t *)(void *)out, err);
 }
 
 int mp_vertices_add_points(struct mp_vertices *v, const double (*point)[3], size_t count,
 			   uint32_t *out, struct mp_error *err)
 {
-	return add_all(v, point, count, false, out, err);
+	const struct source from = {.point = point};
+
+	return add_all(v, &from, count, false, out, err);
 }
 
 uint32_t mp_vertices_count(const struct mp_vertices *v)

@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/decoder.h"
 #include "core/error.h"
 
 /*
@@ -26,6 +27,9 @@ void mp_vertices_free(struct mp_vertices *);
  */
 int mp_vertices_add(struct mp_vertices *, const double (*tri)[9], size_t count, uint32_t (*out)[3],
 		    struct mp_error *err);
+/* The same of floats as struct mp_sink has them. */
+int mp_vertices_add_floats(struct mp_vertices *, const float (*xyz)[MP_BLOCK], size_t count,
+			   uint32_t (*out)[3], struct mp_error *err);
 
 /* The same of ${count} points, of which few are expected to repeat one that came just before. */
 int mp_vertices_add_points(struct mp_vertices *, const double (*point)[3], size_t count,
