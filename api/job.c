@@ -88,6 +88,15 @@ bool api_job_streams(const struct api_job_head *head)
 	return streams;
 }
 
+bool api_job_plain(const struct api_job_head *head)
+{
+	struct api_media media;
+	struct api_problem p;
+
+	return api_media_read(head->content_type, head->content_encoding, &media, &p) == 0 &&
+	       !media.form && media.coding == API_CODING_IDENTITY;
+}
+
 /* Move one string of the head to ${*room}, which is large enough. */
 static void keep(const char **string, size_t len, char **room)
 {

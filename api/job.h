@@ -66,6 +66,9 @@ int api_job_precheck(const struct api_job_head *, struct api_problem *p);
  */
 bool api_job_streams(const struct api_job_head *);
 
+/* Whether the body is one file as it is: neither encoded nor a form. Of a checked head. */
+bool api_job_plain(const struct api_job_head *);
+
 /* Strings of ${head} are copied.  NULL: memory is out. */
 struct api_job *api_job_new(const struct api_job_head *head);
 

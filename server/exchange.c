@@ -334,7 +334,7 @@ void srv_exchange_tick(struct srv_exchange *ex, double now)
 			srv_exchange_abort(ex);
 		return;
 	}
-	if (ex->worker != NULL && worked(ex, now) > config->deadline) {
+	if (srv_pool_in_work(ex) && worked(ex, now) > config->deadline) {
 		struct api_problem p;
 
 		(void)api_problem_set(&p, API_TOO_EXPENSIVE,

@@ -75,6 +75,9 @@ struct srv_exchange {
 	uint64_t answered_bytes; /* received when the verdict fell: what comes later is discarded */
 	bool body_ended, suspended, queued, small, answered, sent, gone, half_closed;
 	struct srv_worker *worker;
+	struct srv_segment *segment; /* of its job, while it has a worker */
+	bool plain;                  /* neither encoded nor a form: the body is a file as it is */
+	bool put_back; /* its worker was dead when it came, and it may have one other */
 
 	double began, first_byte, last_byte, queued_at, dispatched, answered_at, sent_at;
 	double blocked,

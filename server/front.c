@@ -133,6 +133,7 @@ static void tick(struct srv_front *f, double now)
 	srv_http_tick(f->http, now, f->refusing);
 	tick_drain(f, now);
 	shrink(f);
+	srv_log_flush();
 }
 
 static bool sends(const struct srv_front *f)
@@ -158,7 +159,7 @@ static int wait_ms(struct srv_front *f)
  * Waking a worker costs as much as what it does with a piece of a body, so it sleeps until there
  * are several: until the front has nothing to do but to wait, or was too busy for a while.
  */
-static int before_sleep(struct srv_front *f)
+static int wake_for_bytes(struct srv_front *f)
 {
 	int ms = wait_ms(f);
 
@@ -178,9 +179,13 @@ static void loop(struct srv_front *f)
 	double ticked = srv_now();
 
 	while (!f->stop) {
-		int n = epoll_wait(f->epoll, event, EVENTS, before_sleep(f));
+		int ms = srv_pool_before_sleep(&f->pool, wake_for_bytes(f)), n;
 		double now;
 
+		if (ms > 0)
+			srv_log_flush();
+		n = epoll_wait(f->epoll, event, EVENTS, ms);
+		srv_pool_after_sleep(&f->pool);
 		for (int i = 0; i < n; i++)
 			handle(f, &event[i]);
 		f->fruitless = srv_http_run(f->http) || n > 0 ? 0 : f->fruitless + 1;
@@ -244,6 +249,7 @@ int srv_front_run(const struct srv_front_gift *gift)
 		return 1;
 	loop(&f);
 	srv_http_stop(f.http);
+	srv_log_flush();
 	free(f.pool.worker);
 	free(f.capabilities);
 	srv_keys_free(&f.keys);

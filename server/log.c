@@ -1,5 +1,6 @@
 #include "server/log.h"
 
+#include <limits.h>
 #include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -66,21 +67,38 @@ static void stamp(char out[40])
 	(void)snprintf(out + n, 40 - n, ".%03ldZ", ts.tv_nsec / 1000000);
 }
 
-static void emit(char *line, int n, size_t size)
+/* Whole lines, and not more of them than a pipe takes at once: others write to it, too. */
+static struct {
+	char lines[PIPE_BUF];
+	size_t len;
+} held;
+
+void srv_log_flush(void)
 {
 	struct pollfd log = {.fd = STDERR_FILENO, .events = POLLOUT};
+	const char *at = held.lines;
+
+	/* A log that nobody reads must not stop the service: a full pipe loses lines. */
+	while (held.len > 0 && poll(&log, 1, 0) != 0) {
+		ssize_t put = write(STDERR_FILENO, at, held.len);
+
+		if (put <= 0)
+			break;
+		at += put;
+		held.len -= (size_t)put;
+	}
+	held.len = 0;
+}
+
+static void hold(char *line, int n, size_t size)
+{
 	size_t len = n < 0 ? 0 : (size_t)n < size - 1 ? (size_t)n : size - 2;
 
 	line[len++] = '\n';
-	/* A log that nobody reads must not stop the service: a full pipe loses lines. */
-	while (len > 0 && poll(&log, 1, 0) != 0) {
-		ssize_t put = write(STDERR_FILENO, line, len);
-
-		if (put <= 0)
-			return;
-		line += put;
-		len -= (size_t)put;
-	}
+	if (len > sizeof held.lines - held.len)
+		srv_log_flush();
+	memcpy(held.lines + held.len, line, len);
+	held.len += len;
 }
 
 void srv_log(enum srv_level level, const char *fmt, ...)
@@ -101,7 +119,8 @@ void srv_log(enum srv_level level, const char *fmt, ...)
 			   when, level_name[level], log_state.role, escape(text, safe, sizeof safe))
 		: snprintf(line, sizeof line, "%s %s %s: %s", when, level_name[level],
 			   log_state.role, escape(text, safe, sizeof safe));
-	emit(line, n, sizeof line);
+	hold(line, n, sizeof line);
+	srv_log_flush();
 }
 
 void srv_log_access(const struct srv_access *a)
@@ -131,5 +150,5 @@ void srv_log_access(const struct srv_access *a)
 		    log_state.role, a->client, method, path, a->status, *a->code ? " " : "",
 		    a->code, *a->format ? " format=" : "", a->format, a->received, a->sent,
 		    1e3 * a->seconds, id);
-	emit(line, n, sizeof line);
+	hold(line, n, sizeof line);
 }

@@ -44,14 +44,14 @@ static int open_segments(struct srv_master *m, char *why, size_t size)
 {
 	m->slots = (unsigned)m->config->workers + 1;
 	for (unsigned i = 0; i < m->slots; i++) {
-		void *p = mmap(NULL, sizeof(struct srv_segment), PROT_READ | PROT_WRITE,
+		void *p = mmap(NULL, sizeof(struct srv_desk), PROT_READ | PROT_WRITE,
 			       MAP_SHARED | MAP_ANONYMOUS, -1, 0);
 
 		if (p == MAP_FAILED) {
 			(void)snprintf(why, size, "no memory for worker %u", i);
 			return -1;
 		}
-		m->slot[i].segment = p;
+		m->slot[i].desk = p;
 		if (i + 1 == m->slots)
 			(void)snprintf(m->slot[i].role, sizeof m->slot[i].role, "small lane");
 		else
@@ -97,7 +97,7 @@ static void worker_died(struct srv_master *m, unsigned i, int status)
 		WIFSIGNALED(status) ? "signal" : "status",
 		WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status));
 	s->pid = 0;
-	if (atomic_load(&s->segment->used) != 0 || srv_now() - s->forked > SRV_SPAWN_PAUSE)
+	if (atomic_load(&s->desk->used) != 0 || srv_now() - s->forked > SRV_SPAWN_PAUSE)
 		s->retry = 0; /* it had begun well: replace it at once */
 	if (m->channel >= 0)
 		(void)srv_channel_send(m->channel, &order, sizeof order, NULL, 0);

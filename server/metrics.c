@@ -136,8 +136,10 @@ static void gauges(FILE *f, const struct srv_front *front)
 		there += front->pool.worker[i].state != SRV_ABSENT;
 	}
 	head(f, "masspropd_queue_depth", "gauge", "Requests that wait for a worker, by class.");
-	(void)fprintf(f, "masspropd_queue_depth{class=\"small\"} %u\n", front->pool.small.length);
-	(void)fprintf(f, "masspropd_queue_depth{class=\"large\"} %u\n", front->pool.large.length);
+	(void)fprintf(f, "masspropd_queue_depth{class=\"small\"} %u\n",
+		      srv_pool_waiting(&front->pool, true));
+	(void)fprintf(f, "masspropd_queue_depth{class=\"large\"} %u\n",
+		      srv_pool_waiting(&front->pool, false));
 	single(f, "masspropd_workers", "gauge", "Workers that are there.", there);
 	single(f, "masspropd_workers_busy", "gauge", "Workers at work.", busy);
 	single(f, "masspropd_requests_in_flight", "gauge", "Requests between head and answer.",

@@ -22,6 +22,16 @@ void srv_queue_add(struct srv_queue *q, struct srv_exchange *ex)
 	q->length++;
 }
 
+void srv_queue_put_back(struct srv_queue *q, struct srv_exchange *ex)
+{
+	ex->queued = true;
+	ex->behind = q->first;
+	q->first = ex;
+	if (ex->behind == NULL)
+		q->last = &ex->behind;
+	q->length++;
+}
+
 void srv_queue_remove(struct srv_queue *q, struct srv_exchange *ex)
 {
 	for (struct srv_exchange **at = &q->first; *at != NULL; at = &(*at)->behind) {

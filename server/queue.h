@@ -18,6 +18,9 @@ void srv_queue_init(struct srv_queue *, uint64_t most);
 /* Sets queued and queued_at. */
 void srv_queue_add(struct srv_queue *, struct srv_exchange *ex);
 
+/* Before all others; queued_at stays what it was. */
+void srv_queue_put_back(struct srv_queue *, struct srv_exchange *ex);
+
 /* From wherever it stands. */
 void srv_queue_remove(struct srv_queue *, struct srv_exchange *ex);
 

@@ -25,15 +25,23 @@ static bool good_id(const char *s)
 	return true;
 }
 
+enum { IDS = 16 };
+
 static void set_id(struct srv_exchange *ex, const char *wish)
 {
-	uint64_t r[2] = {0, 0};
+	static uint64_t drawn[IDS][2]; /* one system call for several */
+	static unsigned left;
+	const uint64_t *r;
 
 	if (wish != NULL && good_id(wish)) {
 		(void)snprintf(ex->id, sizeof ex->id, "%s", wish);
 		return;
 	}
-	(void)!getrandom(r, sizeof r, GRND_NONBLOCK);
+	if (left == 0) {
+		(void)!getrandom(drawn, sizeof drawn, GRND_NONBLOCK);
+		left = IDS;
+	}
+	r = drawn[--left];
 	(void)snprintf(ex->id, sizeof ex->id, "%016llx%08llx", (unsigned long long)r[0],
 		       (unsigned long long)(r[1] & 0xffffffffu));
 }
@@ -85,8 +93,9 @@ static void readyz(struct srv_exchange *ex)
 			       f->draining  ? "draining"
 			       : there == 0 ? "starting"
 					    : "ready",
-			       there, f->pool.workers, f->pool.small.length, f->pool.large.length,
-			       f->in_flight, (unsigned long long)f->budget.used,
+			       there, f->pool.workers, srv_pool_waiting(&f->pool, true),
+			       srv_pool_waiting(&f->pool, false), f->in_flight,
+			       (unsigned long long)f->budget.used,
 			       (unsigned long long)f->budget.most);
 	else
 		(void)snprintf(text, sizeof text, "%s\n",
@@ -175,6 +184,7 @@ static void take_mesh(struct srv_exchange *ex, const struct srv_head *h, uint64_
 		return;
 	}
 	ex->streams = api_job_streams(&head);
+	ex->plain = api_job_plain(&head);
 	if (length != API_NONE && !srv_pool_accepts(&f->pool, length <= SRV_BODY_SMALL)) {
 		ex->small = length <= SRV_BODY_SMALL;
 		refuse(ex, API_QUEUE_FULL, "as many requests are waiting as may wait");

@@ -16,7 +16,7 @@ void srv_ring_reset(struct srv_segment *s)
 	atomic_store(&s->cancelled, 0);
 	atomic_store(&s->front_waits, 0);
 	atomic_store(&s->worker_waits, 0);
-	s->receive_ms = s->queue_ms = 0;
+	s->receive_ms = s->queued_at = 0;
 }
 
 /* The worker owns tail: what it says is clamped, so that no lie leads outside the ring. */

@@ -10,8 +10,8 @@
 #include "api/job.h"
 
 /*
- * The shared memory between the front and one worker: the words of the request, a ring through
- * which its body flows, and the answer.  The front trusts nothing that it reads from it: the
+ * The shared memory for one job of a worker: the words of the request, a ring through which its
+ * body flows, and the answer.  The front trusts nothing that it reads from it: the
  * worker on the other side has met the uploader's bytes.
  */
 enum {
@@ -43,6 +43,8 @@ struct srv_result {           /* worker to front */
 	char origin[API_MESH_ORIGIN];
 };
 
+enum srv_job_state { SRV_JOB_WAITS, SRV_JOB_BEGUN, SRV_JOB_WITHDRAWN };
+
 struct srv_segment {
 	_Atomic uint64_t head;         /* bytes that the front has put in, ever */
 	_Atomic uint64_t tail;         /* bytes that the worker has taken out, ever */
@@ -50,8 +52,9 @@ struct srv_segment {
 	_Atomic uint32_t cancelled;    /* nobody wants the answer any more */
 	_Atomic uint32_t front_waits;  /* tell the front when there is room */
 	_Atomic uint32_t worker_waits; /* tell the worker when there are bytes */
-	_Atomic uint32_t used;         /* this worker has been given a job, so its start was good */
-	double receive_ms, queue_ms;   /* set before ended */
+	_Atomic uint32_t begun;        /* enum srv_job_state; see desk.h */
+	double receive_ms;             /* set before ended */
+	double queued_at;              /* srv_now() when it began to wait for a worker */
 	struct srv_words words;
 	struct srv_result result;
 	uint8_t ring[SRV_RING];
@@ -65,16 +68,20 @@ struct srv_segment {
  */
 enum { SRV_ANSWER_SEALS = F_SEAL_SEAL | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE };
 
-/* Messages on the socket pair, one byte each; JOB and ANSWER may bring a descriptor along. */
+/*
+ * Messages on the socket pair, one byte each.  What they are about is in memory: they wake who
+ * sleeps, and FILE brings the descriptor of a spooled body or of a large answer along, before the
+ * memory says that there is one.
+ */
 enum srv_message {
-	SRV_MSG_JOB = 'J',    /* front: words are there, the body begins */
-	SRV_MSG_WAKE = 'W',   /* front: bytes, the end, or a cancellation */
-	SRV_MSG_ROOM = 'R',   /* worker: the ring has room again */
-	SRV_MSG_ANSWER = 'A', /* worker: result is there, the worker is free */
-	SRV_MSG_IDLE = 'I'    /* worker: the cancelled job is dropped, the worker is free */
+	SRV_MSG_BEGIN = 'B', /* front: the desk is in order, the worker may begin */
+	SRV_MSG_WAKE = 'W',  /* front: a job, bytes, the end of a body, or a cancellation */
+	SRV_MSG_ROOM = 'R',  /* worker: the ring has room again */
+	SRV_MSG_DONE = 'D',  /* worker: jobs are over */
+	SRV_MSG_FILE = 'F'   /* both */
 };
 
-/* Front: empty the ring for the next job. Legal only while the worker is idle. */
+/* Front: empty the ring for the next job. Legal only while the worker has nothing to do with it. */
 void srv_ring_reset(struct srv_segment *);
 
 /*

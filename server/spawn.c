@@ -84,11 +84,11 @@ _Noreturn static void worker_child(struct srv_master *m, unsigned i, int sock)
 		close(m->listener[k]);
 	for (unsigned k = 0; k < m->slots; k++) /* another customer's bytes are none of ours */
 		if (k != i)
-			(void)munmap(m->slot[k].segment, sizeof(struct srv_segment));
+			(void)munmap(m->slot[k].desk, sizeof(struct srv_desk));
 	(void)setrlimit(RLIMIT_CORE, &no_core);
 	limit_memory(i + 1 == m->slots ? m->memory.lane : m->memory.worker, sock);
 	take_turns(i + 1 < m->slots);
-	srv_worker_run(m->config, sock, m->slot[i].segment);
+	srv_worker_run(m->config, sock, m->slot[i].desk);
 }
 
 static void announce(struct srv_master *m, unsigned i, int sock)
@@ -115,7 +115,7 @@ void srv_spawn_worker(struct srv_master *m, unsigned i)
 		srv_log(SRV_ERROR, "no socket for %s: %s", s->role, strerror(errno));
 		return;
 	}
-	atomic_store(&s->segment->used, 0);
+	atomic_store(&s->desk->used, 0);
 	pid = fork();
 	if (pid == 0) {
 		close(pair[0]);
@@ -134,21 +134,21 @@ void srv_spawn_worker(struct srv_master *m, unsigned i)
 
 _Noreturn static void front_child(struct srv_master *m, int channel)
 {
-	struct srv_segment *segment[SRV_SLOTS];
+	struct srv_desk *desk[SRV_SLOTS];
 	struct srv_front_gift gift = {.config = m->config,
 				      .listener = m->listener,
 				      .listeners = m->listeners,
 				      .metrics_apart = m->config->metrics_listen != NULL,
 				      .keys = m->keys,
 				      .master = channel,
-				      .segment = segment,
+				      .desk = desk,
 				      .slots = m->slots,
 				      .spool_budget = m->memory.spool};
 
 	become_child(m, "front");
 	take_turns(false);
 	for (unsigned i = 0; i < m->slots; i++)
-		segment[i] = m->slot[i].segment;
+		desk[i] = m->slot[i].desk;
 	exit(srv_front_run(&gift));
 }
 

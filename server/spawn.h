@@ -6,15 +6,15 @@
 #include <sys/types.h>
 
 #include "server/config.h"
+#include "server/desk.h"
 #include "server/memory.h"
-#include "server/segment.h"
 
 /* The master's state, and how it forks its children. */
 
 enum { SRV_SLOTS = 257 };
 
 struct srv_slot {
-	struct srv_segment *segment;
+	struct srv_desk *desk;
 	pid_t pid;     /* 0: none */
 	double forked; /* when */
 	double retry;  /* not before, after a failed or short-lived start */

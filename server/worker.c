@@ -20,12 +20,22 @@
  */
 enum { KEEP = 64 << 20, REST_MS = 1000 };
 
+enum { KEYS = 16, KEY_BYTES = sizeof((struct api_job_head *)0)->key };
 enum { PIECE = 1 << 20 }; /* bytes of a large answer that are there twice */
+
+/* Waking the front costs as much as a small job: while there are more, it hears of several. */
+static const double most_unsaid_s = 100e-6;
 
 struct worker {
 	const struct srv_config *config;
-	int sock;
-	struct srv_segment *segment;
+	int sock, file; /* file: came along with the last message, -1: none */
+	struct srv_desk *desk;
+	struct srv_segment *segment; /* of the job in work */
+	uint32_t done;               /* jobs behind it */
+	uint32_t said;               /* of which the front may have heard */
+	double unsaid_since;
+	uint8_t key[KEYS][KEY_BYTES];
+	unsigned keys;
 };
 
 static void tell(struct worker *w, enum srv_message what, const int *fd, size_t fds)
@@ -36,26 +46,35 @@ static void tell(struct worker *w, enum srv_message what, const int *fd, size_t 
 		_exit(errno == EPIPE || errno == ECONNRESET ? 0 : 3);
 }
 
-/* The next message; exits where the front is gone. */
-static char hear(struct worker *w, int *fd)
+static void drop_file(struct worker *w)
 {
-	size_t fds = 1;
-	char byte = 0;
-
-	*fd = -1;
-	if (srv_channel_receive(w->sock, &byte, 1, fd, &fds) <= 0)
-		_exit(0);
-	if (fds == 0)
-		*fd = -1;
-	return byte;
+	if (w->file >= 0)
+		close(w->file);
+	w->file = -1;
 }
 
-static void rest(const struct worker *w)
+/* Sleep until a message comes: something has changed.  Exits where the front is gone. */
+static void hear(struct worker *w)
+{
+	size_t fds = 1;
+	char byte;
+	int fd;
+
+	if (srv_channel_receive(w->sock, &byte, 1, &fd, &fds) <= 0)
+		_exit(0);
+	if (fds == 0)
+		return;
+	drop_file(w);
+	w->file = fd;
+}
+
+static void rest(struct worker *w)
 {
 	struct pollfd next = {.fd = w->sock, .events = POLLIN};
 
 	if (poll(&next, 1, REST_MS) == 0)
 		(void)malloc_trim(KEEP);
+	hear(w);
 }
 
 static bool cancelled(const struct worker *w)
@@ -64,14 +83,16 @@ static bool cancelled(const struct worker *w)
 }
 
 /* The bytes that were spooled before this worker was free.  False: cancelled or unreadable. */
-static bool feed_spooled(struct worker *w, struct api_job *job, int fd)
+static bool feed_spooled(struct worker *w, struct api_job *job)
 {
 	static uint8_t chunk[256 << 10];
 	uint64_t left = w->segment->words.spooled, at = 0;
 
+	while (w->file < 0) /* it is on its way */
+		hear(w);
 	while (left > 0) {
 		size_t want = left < sizeof chunk ? (size_t)left : sizeof chunk;
-		ssize_t n = cancelled(w) ? 0 : pread(fd, chunk, want, (off_t)at);
+		ssize_t n = cancelled(w) ? 0 : pread(w->file, chunk, want, (off_t)at);
 
 		if (n <= 0)
 			return false;
@@ -90,7 +111,6 @@ static bool feed_ring(struct worker *w, struct api_job *job)
 		const uint8_t *bytes;
 		bool ended;
 		size_t n = srv_ring_peek(w->segment, &bytes, &ended);
-		int fd;
 
 		if (cancelled(w))
 			return false;
@@ -104,9 +124,7 @@ static bool feed_ring(struct worker *w, struct api_job *job)
 		} else if (ended) {
 			return true;
 		} else if (srv_ring_sleep(w->segment)) {
-			(void)hear(w, &fd);
-			if (fd >= 0)
-				close(fd);
+			hear(w);
 		}
 	}
 }
@@ -179,22 +197,38 @@ static int place_answer(struct worker *w, const struct api_answer *a)
  * The last of a job.  Its memory is given back before the front hears of it: where the file has
  * damaged the heap, it is this request that pays and not the next one.
  */
-static void answer(struct worker *w, struct api_job *job)
+static void answer(struct worker *w, struct api_job *job, double queue_ms)
 {
 	struct api_answer a;
 	int fd;
 
-	api_job_answer(job, w->segment->receive_ms, w->segment->queue_ms, &a);
+	api_job_answer(job, w->segment->receive_ms, queue_ms, &a);
 	fd = place_answer(w, &a);
 	if (!a.retire) {
 		api_answer_free(&a);
 		api_job_free(job);
 	}
-	tell(w, SRV_MSG_ANSWER, &fd, fd >= 0);
-	if (a.retire)
-		_exit(SRV_EXIT_RETIRED); /* whatever the file did ends with it */
-	if (fd >= 0)
+	if (fd >= 0) {
+		tell(w, SRV_MSG_FILE, &fd, 1);
 		close(fd);
+	}
+	if (!a.retire)
+		return;
+	srv_desk_done(w->desk, w->done + 1);
+	tell(w, SRV_MSG_DONE, NULL, 0);
+	_exit(SRV_EXIT_RETIRED); /* whatever the file did ends with it */
+}
+
+/* A key that no other job has had, nor can guess: drawn in advance, one system call for several. */
+static void take_key(struct worker *w, uint8_t key[KEY_BYTES])
+{
+	if (w->keys == 0) {
+		if (getrandom(w->key, sizeof w->key, 0) != (ssize_t)sizeof w->key)
+			_exit(5);
+		w->keys = KEYS;
+	}
+	memcpy(key, w->key[--w->keys], KEY_BYTES);
+	memset(w->key[w->keys], 0, KEY_BYTES);
 }
 
 static struct api_job *begin(struct worker *w)
@@ -211,33 +245,45 @@ static struct api_job *begin(struct worker *w)
 	    .limits = {w->config->max_decoded, w->config->max_triangles},
 	    .now = srv_now};
 
-	if (getrandom(head.key, sizeof head.key, 0) != (ssize_t)sizeof head.key)
-		_exit(5);
+	take_key(w, head.key);
 	return api_job_new(&head);
 }
 
-/* Closes ${spool} once it is read: what comes behind it through the ring may take its time. */
-static void work(struct worker *w, int spool)
+/* Closes the spooled file once it is read: what comes behind it may take its time. */
+static void work(struct worker *w)
 {
+	double queue_ms = 1e3 * (srv_now() - w->segment->queued_at);
 	struct api_job *job = begin(w);
 	bool fed;
 
 	if (job == NULL)
 		_exit(SRV_EXIT_NO_MEMORY); /* a fresh process is the best answer */
-	fed = w->segment->words.spooled == 0 || feed_spooled(w, job, spool);
-	if (spool >= 0)
-		close(spool);
-	if (fed && feed_ring(w, job)) {
-		answer(w, job);
-	} else {
+	fed = w->segment->words.spooled == 0 || feed_spooled(w, job);
+	drop_file(w);
+	if (fed && feed_ring(w, job))
+		answer(w, job, queue_ms);
+	else
 		api_job_free(job);
-		tell(w, SRV_MSG_IDLE, NULL, 0);
-	}
 }
 
-void srv_worker_run(const struct srv_config *config, int sock, struct srv_segment *segment)
+/* One more job is over.  Who waits for its answer hears of it at once, or soon. */
+static void say_done(struct worker *w)
 {
-	struct worker w = {config, sock, segment};
+	double now = srv_now();
+
+	srv_desk_done(w->desk, ++w->done);
+	if (w->done - w->said == 1)
+		w->unsaid_since = now;
+	if (srv_desk_job(w->desk, w->done) != NULL && now - w->unsaid_since < most_unsaid_s)
+		return;
+	w->said = w->done;
+	if (srv_desk_must_tell_front(w->desk))
+		tell(w, SRV_MSG_DONE, NULL, 0);
+}
+
+void srv_worker_run(const struct srv_config *config, int sock, struct srv_desk *desk)
+{
+	struct worker w = {.config = config, .sock = sock, .file = -1, .desk = desk};
 	char why[200];
 
 	if (srv_sandbox_obey(config->sandbox, SRV_SANDBOX_WORKER, why, sizeof why) != 0)
@@ -245,13 +291,15 @@ void srv_worker_run(const struct srv_config *config, int sock, struct srv_segmen
 
 	mallopt(M_MMAP_THRESHOLD, 32 << 20);
 	mallopt(M_TRIM_THRESHOLD, -1); /* only where rest() says so */
+	hear(&w);                      /* until then the desk may be the last worker's */
 	for (;;) {
-		int spool;
-
-		rest(&w);
-		if (hear(&w, &spool) == SRV_MSG_JOB)
-			work(&w, spool);
-		else if (spool >= 0)
-			close(spool);
+		w.segment = srv_desk_job(desk, w.done);
+		if (w.segment != NULL) {
+			if (srv_desk_begin(w.segment))
+				work(&w);
+			say_done(&w);
+		} else if (srv_desk_worker_sleeps(desk, w.done)) {
+			rest(&w);
+		}
 	}
 }

@@ -76,6 +76,60 @@ def test_kill_at_work(d):
     check("its place is filled", until(ready(d, 3)), d.get("/readyz?verbose"))
 
 
+def test_kill_with_a_line(d):
+    """Small requests stand in line with a worker: its end costs the first of them, no other."""
+    sides, done, wrong, stop = range(1, 9), [], [], threading.Event()
+
+    def client(side):
+        data = post(stl(box((0, 0, 0), (side, side, side))), "unit=mm")
+        w = Wire(d.port, 30)
+        while not stop.is_set():
+            w.send(data)
+            a = w.one()
+            if a and a.status == 200 and a.json["properties"]["volume"] == side**3:
+                done.append(side)
+            else:
+                wrong.append(a)
+                w.socket.close()
+                w = Wire(d.port, 30)
+        w.socket.close()
+
+    threads = [threading.Thread(target=client, args=(s,)) for s in sides]
+    for t in threads:
+        t.start()
+    kills = 0
+    for i in range(12):
+        before = len(done)
+        until(lambda: len(done) > before + 50 and workers(d.pid))
+        crew = workers(d.pid)
+        kill(crew[i % len(crew)])
+        kills += 1
+    stop.set()
+    for t in threads:
+        t.join()
+    check("under load each killed worker costs one request at most", len(wrong) <= kills,
+          f"{len(wrong)} of {kills}")
+    check("and it is told why", all(lost(a) and a is not None for a in wrong),
+          [str(a) for a in wrong])
+    check("everybody was served all the time", set(done) == set(sides), len(done))
+    check("the crew is complete", until(ready(d, 3)), d.get("/readyz?verbose"))
+
+
+def test_line_behind_a_stopped_worker(d):
+    """Who stands behind one that takes its time goes to another worker."""
+    crew = workers(d.pid)
+    kill(crew[2], sig=signal.SIGSTOP)
+    calls = [Call(d, post(FILE, "unit=mm")) for _ in range(24)]
+    served = until(lambda: sum(not c.is_alive() for c in calls) >= 23, 10)
+    check("one worker that hangs keeps one request", served,
+          sum(not c.is_alive() for c in calls))
+    kill(crew[2], sig=signal.SIGCONT)
+    for c in calls:
+        c.join()
+    check("all are served in the end", all(c.answer and c.answer.status == 200 for c in calls),
+          [str(c.answer) for c in calls])
+
+
 def test_kill_idle(d):
     crew = workers(d.pid)
     kill(*crew)
@@ -257,6 +311,8 @@ def test_drain():
 with Daemon("--workers", "2") as daemon:
     test_kill_in_an_upload(daemon)
     test_kill_at_work(daemon)
+    test_kill_with_a_line(daemon)
+    test_line_behind_a_stopped_worker(daemon)
     test_kill_idle(daemon)
     test_crash(daemon)
     test_clients_that_leave(daemon)

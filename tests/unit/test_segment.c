@@ -250,11 +250,11 @@ static void a_reset_ring_knows_nothing_of_the_last_job(void **state)
 	srv_ring_end(s, &wake);
 	atomic_store(&s->cancelled, 1);
 	atomic_store(&s->worker_waits, 1);
-	s->receive_ms = s->queue_ms = 7;
+	s->receive_ms = s->queued_at = 7;
 	srv_ring_reset(s);
 	assert_int_equal(srv_ring_peek(s, &bytes, &ended), 0);
 	assert_false(ended);
-	assert_true(s->receive_ms == 0 && s->queue_ms == 0);
+	assert_true(s->receive_ms == 0 && s->queued_at == 0);
 	assert_int_equal(put(s, 0, 10, &wake), 10);
 	assert_false(wake);
 	assert_false(srv_ring_take(s, 10));
