@@ -15,6 +15,7 @@ void stl_text_begin(struct stl *s)
 	t->line = 1;
 	t->facet_line = t->tail_line = t->counted_line = t->pad_line = t->pad_at = 0;
 	t->word_len = t->name_len = 0;
+	memset(t->indent, 0, sizeof t->indent);
 }
 
 /* Keep the piece [p, end) of a word that goes on in the next chunk, or ended with this piece. */
@@ -112,13 +113,28 @@ static void take_newline(struct stl_text *t, char c)
 	t->cr = c == '\r';
 }
 
+/* The next facet in one go, to the end of the block; NULL where it has to be read by words. */
+static const char *whole_facet(struct stl *s, const struct piece *in, bool vector)
+{
+	struct stl_text *t = &s->text;
+	double *tri = s->block[s->count];
+	const char *next;
+
+	if (vector && (next = stl_text_facet_vector(in->p, in->stop, tri, t->normal, t->indent))) {
+		t->line += STL_LINES;
+		return next;
+	}
+	return stl_text_facet(in->p, in->stop, tri, t->normal, &t->line);
+}
+
 static int take_facets(struct stl *s, struct piece *in, struct mp_error *err)
 {
 	struct stl_text *t = &s->text;
+	bool vector = stl_has_vector();
 	const char *next;
 
 	while (in->p < in->stop && s->notes->triangles < s->limits->max_triangles &&
-	       (next = stl_text_facet(in->p, in->stop, s->block[s->count], t->normal, &t->line))) {
+	       (next = whole_facet(s, in, vector))) {
 		in->p = next;
 		t->tail_line = t->line;
 		stl_check_normal(s->notes, s->block[s->count], t->normal);

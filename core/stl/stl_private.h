@@ -65,6 +65,8 @@ enum stl_expect {
 
 enum { STL_WORD_MOST = 256 }; /* longer ones can only be numbers, which go to ${decimal} */
 
+enum { STL_LINES = 7 }; /* of a facet, most often */
+
 struct stl_text {
 	enum stl_text_mode mode;
 	enum stl_expect expect;
@@ -78,6 +80,7 @@ struct stl_text {
 	uint64_t counted_line; /* the last one in notes->nonstandard_lines */
 	uint64_t pad_line, pad_at;
 
+	unsigned indent[STL_LINES]; /* of the lines of the last facet */
 	double normal[3];
 	unsigned normals; /* numbers of it that came */
 	bool normal_word, normal_bad;
@@ -172,5 +175,14 @@ void stl_text_nonstandard(struct stl *s, uint64_t line); /* count the line, once
  */
 const char *stl_text_facet(const char *p, const char *end, double tri[9], double normal[3],
 			   uint64_t *line);
+
+/*
+ * The same for facets whose every number is as of %e and every line one of seven, in vectors: where
+ * the processor can do it, the first one is so, and there is much room behind it; else NULL.  The
+ * facet begins with the end of a line.  ${indent}: how many spaces began the lines the last time.
+ */
+bool stl_has_vector(void);
+const char *stl_text_facet_vector(const char *p, const char *end, double tri[9], double normal[3],
+				  unsigned indent[STL_LINES]);
 
 #endif
