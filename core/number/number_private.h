@@ -108,6 +108,71 @@ static inline uint64_t mp_digits8(uint64_t digit)
 }
 
 /*
+ * ${digit}: text as of mp_text8() xor MP_ZEROS8, so that digits have become their values.  The
+ * lowest bit set is bit 7 of the first byte that was no digit; what is above means nothing.  0: all
+ * are digits.
+ */
+#define MP_ZEROS8 UINT64_C(0x3030303030303030)
+static inline uint64_t mp_not_digits8(uint64_t digit)
+{
+	return ((digit + UINT64_C(0x7676767676767676)) | digit) & UINT64_C(0x8080808080808080);
+}
+
+/* mp_digits8() of those below the bit that mp_not_digits8() found: the others move out at the top.
+ */
+static inline uint64_t mp_digits_below(uint64_t digit, uint64_t odd)
+{
+	return mp_digits8(digit << (__builtin_ctzll(odd) ^ 63) << 8);
+}
+
+/* The same of the first ${n} of them, 0 to 8. */
+static inline uint64_t mp_digits_of(uint64_t digit, unsigned n)
+{
+	return mp_digits8(digit << (32 - 4 * n) << (32 - 4 * n));
+}
+
+#ifdef __SSE2__
+/* Sixteen bytes of text; what comparing them gives; a bit for each byte that is not 0 of that. */
+typedef unsigned char mp_text16 __attribute__((vector_size(16)));
+typedef char mp_found16 __attribute__((vector_size(16)));
+
+static inline mp_text16 mp_load16(const char *p)
+{
+	mp_text16 v;
+
+	memcpy(&v, p, sizeof v);
+	return v;
+}
+
+static inline unsigned mp_bits16(mp_found16 found)
+{
+	return (unsigned)__builtin_ia32_pmovmskb128(found);
+}
+#endif
+
+/* Bit i is set where p[i] is no digit, of 64 bytes. */
+static inline uint64_t mp_not_digits64(const char *p)
+{
+	uint64_t bits = 0;
+
+#ifdef __SSE2__
+	for (int i = 0; i < 4; i++)
+		bits |= (uint64_t)mp_bits16((mp_found16)(mp_load16(p + 16 * i) - '0' <= 9))
+			<< 16 * i;
+	return ~bits;
+#else
+	for (int i = 0; i < 8; i++) {
+		const uint64_t low = UINT64_C(0x7f7f7f7f7f7f7f7f);
+		uint64_t digit = mp_text8(p + 8 * i) ^ MP_ZEROS8;
+		uint64_t not = (((digit & low) + UINT64_C(0x7676767676767676)) | digit) & ~low;
+
+		bits |= (not >> 7) * UINT64_C(0x0102040810204080) >> 56 << 8 * i;
+	}
+	return bits;
+#endif
+}
+
+/*
  * mp_number_scan_bytes(p, end, value):
  * Read the common kind of number at the start of [p, end): at most 19 digits, an exponent of at
  * most 4.  Returns where it ends, so that the caller can see what follows, or NULL for

@@ -37,37 +37,21 @@ const char *mp_number_scan_bytes(const char *p, const char *end, double *value)
 	return p;
 }
 
-/*
- * ${text} as of mp_text8() xor ZEROS8: digits have become their values.  The lowest bit set is
- * bit 7 of the first byte that was no digit; what is above means nothing.  0: all are digits.
- */
-#define ZEROS8 UINT64_C(0x3030303030303030)
-static inline uint64_t not_digits8(uint64_t text)
-{
-	return ((text + UINT64_C(0x7676767676767676)) | text) & UINT64_C(0x8080808080808080);
-}
-
-/* The same of those below the bit that not_digits8() found: the others move out at the top. */
-static inline uint64_t digits_below(uint64_t digit, uint64_t odd)
-{
-	return mp_digits8(digit << (__builtin_ctzll(odd) ^ 63) << 8);
-}
-
 /* Behind the point: the digits of ${*w} become more.  NULL: too many. */
 static inline const char *scan_fraction(const char *p, uint64_t *w)
 {
 	static const uint32_t power[8] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000};
-	uint64_t digit = mp_text8(p) ^ ZEROS8, odd = not_digits8(digit);
+	uint64_t digit = mp_text8(p) ^ MP_ZEROS8, odd = mp_not_digits8(digit);
 	int full;
 
 	for (full = 0; odd == 0; full++) {
 		if (full == 2)
 			return NULL;
 		*w = *w * 100000000 + mp_digits8(digit);
-		digit = mp_text8(p += 8) ^ ZEROS8;
-		odd = not_digits8(digit);
+		digit = mp_text8(p += 8) ^ MP_ZEROS8;
+		odd = mp_not_digits8(digit);
 	}
-	*w = *w * power[__builtin_ctzll(odd) >> 3] + digits_below(digit, odd);
+	*w = *w * power[__builtin_ctzll(odd) >> 3] + mp_digits_below(digit, odd);
 	return p + (__builtin_ctzll(odd) >> 3);
 }
 

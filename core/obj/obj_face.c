@@ -90,9 +90,17 @@ static int reserve_corners(struct obj *o, size_t count, struct mp_error *err)
 int obj_split_face(struct obj *o, const uint32_t *corner, size_t n, struct mp_error *err)
 {
 	struct mp_polygon *p = &o->polygon;
+	bool nonplanar;
 
 	if (n == 3)
 		return obj_triangle(o, corner[0], corner[1], corner[2], err);
+	if (n == 4 && mp_polygon_usual_quad((const double(*)[3])o->vertex, corner, &nonplanar)) {
+		o->notes->nonplanar_polygons += nonplanar;
+		return obj_triangle(o, corner[0], corner[1], corner[2], err) ||
+			       obj_triangle(o, corner[0], corner[2], corner[3], err)
+			   ? -1
+			   : 0;
+	}
 	if (mp_polygon_split(p, (const double(*)[3])o->vertex, corner, (uint32_t)n, err))
 		return -1;
 	o->notes->nonplanar_polygons += p->nonplanar;

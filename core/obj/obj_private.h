@@ -2,6 +2,7 @@
 #define MP_OBJ_PRIVATE_H
 
 #include <stdbool.h>
+#include <string.h>
 
 #include "core/decoder.h"
 #include "core/number/number_private.h"
@@ -98,9 +99,10 @@ struct obj {
 
 	uint32_t *corner; /* the faces held back, then the one being read; from 0 */
 	size_t corners, corner_room;
-	size_t face;        /* where the one being read begins */
-	uint32_t face_most; /* the highest vertex number in it, from 1 */
-	size_t held;        /* words of corner[] that are faces held back for a vertex to come */
+	unsigned lengths[3]; /* of the indices of the last corner, in digits */
+	size_t face;         /* where the one being read begins */
+	uint32_t face_most;  /* the highest vertex number in it, from 1 */
+	size_t held;         /* words of corner[] that are faces held back for a vertex to come */
 	uint32_t held_most;
 	struct mp_polygon polygon;
 
@@ -153,11 +155,9 @@ static inline int obj_triangle(struct obj *o, uint32_t a, uint32_t b, uint32_t c
 	o->index[o->count][0] = a;
 	o->index[o->count][1] = b;
 	o->index[o->count][2] = c;
-	for (int k = 0; k < 3; k++) {
-		t[k] = o->vertex[a][k];
-		t[3 + k] = o->vertex[b][k];
-		t[6 + k] = o->vertex[c][k];
-	}
+	memcpy(t, o->vertex[a], sizeof o->vertex[a]);
+	memcpy(t + 3, o->vertex[b], sizeof o->vertex[b]);
+	memcpy(t + 6, o->vertex[c], sizeof o->vertex[c]);
 	return ++o->count == MP_BLOCK ? obj_flush(o, err) : 0;
 }
 

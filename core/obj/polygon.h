@@ -39,6 +39,12 @@ struct mp_polygon {
 int mp_polygon_split(struct mp_polygon *p, const double (*xyz)[3], const uint32_t *corner,
 		     uint32_t n, struct mp_error *err);
 
+/*
+ * Would mp_polygon_split() make 0 1 2 and 0 2 3 of these four corners?  It does where this is true,
+ * and sets ${*nonplanar}; false says nothing.  The short way for nearly all polygons there are.
+ */
+bool mp_polygon_usual_quad(const double (*xyz)[3], const uint32_t corner[4], bool *nonplanar);
+
 void mp_polygon_free(struct mp_polygon *); /* legal on a zeroed struct */
 
 #endif

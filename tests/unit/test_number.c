@@ -425,9 +425,35 @@ static void long_numbers_are_exact(void **state)
 	free(text);
 }
 
+/* Digits are told from the rest in any place, whatever stands beside them. */
+static void test_masks_of_digits(void **state)
+{
+	char text[64];
+
+	(void)state;
+	for (int i = 0; i < 20000; i++) {
+		uint64_t bits = 0, odd;
+
+		for (int k = 0; k < 64; k++) {
+			text[k] = i % 2 ? (char)below(256) : "0519/:.- e\n\xb0"[below(12)];
+			bits |= (uint64_t) !(text[k] >= '0' && text[k] <= '9') << k;
+		}
+		assert_true(mp_not_digits64(text) == bits);
+		odd = mp_not_digits8(mp_text8(text) ^ MP_ZEROS8);
+		if ((bits & 255) == 0)
+			assert_true(odd == 0);
+		else
+			assert_int_equal(__builtin_ctzll(odd) / 8, __builtin_ctzll(bits));
+	}
+	for (unsigned n = 0; n <= 8; n++)
+		assert_int_equal(mp_digits_of(mp_text8("12345678") ^ MP_ZEROS8, n),
+				 n == 0 ? 0 : (uint64_t)(12345678 / pow(10, 8 - (int)n)));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(test_masks_of_digits),
 	    cmocka_unit_test(accepts_every_spelling),
 	    cmocka_unit_test(refuses_what_is_no_number),
 	    cmocka_unit_test(names_what_is_not_finite),

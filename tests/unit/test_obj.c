@@ -505,6 +505,98 @@ static void test_numbers_of_many_digits(void **state)
 	free(text);
 }
 
+/* Numbers in every form that a line in one go may meet, with what may stand behind them. */
+static size_t random_number(char *p, unsigned *random)
+{
+	static const char *const form[] = {"%.0f", "%.1f", "%.6f",  "%.9g", "%g",   "%.17g",
+					   "%e",   "%.8f", "%.15f", "%+f",  "%.2e", "%.18f"};
+	double x;
+
+	*random = *random * 1664525 + 1013904223;
+	x = ldexp((double)(int)*random, -(int)(*random >> 7 & 31) - 4);
+	return (size_t)sprintf(p, form[(*random >> 16) % (sizeof form / sizeof *form)], x);
+}
+
+static size_t random_corner(char *p, unsigned *random, unsigned vertices)
+{
+	static const char *const form[] = {"%u",     "%u/%u",  "%u//%u",   "%u/%u/%u",
+					   "%u/-%u", "-%u/%u", "-%u//-%u", "%u/%u/"};
+	unsigned v, most = 1;
+
+	*random = *random * 1664525 + 1013904223;
+	v = 1 + (*random >> 8) % vertices;
+	for (unsigned digits = *random >> 4 & 15; digits > 7; digits--)
+		most *= 10;
+	return (size_t)sprintf(p, form[*random >> 29], v, *random % most, *random % 1000 * most);
+}
+
+/*
+ * Lines that are read in one go where there is room behind them, and not where they come byte by
+ * byte: the same doubles, the same triangles.
+ */
+static void test_lines_in_one_go_are_as_byte_by_byte(void **state)
+{
+	enum { VERTICES = 100, FACES = 100 };
+	static char text[(VERTICES + FACES) * 200];
+	unsigned random = 1;
+
+	(void)state;
+	for (int i = 0; i < 40; i++) {
+		const char *end = i % 4 == 3 ? "\r\n" : "\n";
+		char *p = text;
+
+		for (int v = 0; v < VERTICES; v++) {
+			int numbers = random >> 28 != 0 ? 3 : 6;
+
+			p += sprintf(p, "v");
+			for (int k = 0; k < numbers; k++) {
+				*p++ = ' ';
+				p += random_number(p, &random);
+			}
+			p += sprintf(p, "%s%s", random >> 29 ? "" : " ", end);
+			p += sprintf(p, "vt 0.5 %u%s# x \\ y%s", random, end, end);
+		}
+		for (int f = 0; f < FACES; f++) {
+			unsigned corners = 3 + (random >> 30);
+
+			p += sprintf(p, "f");
+			for (unsigned k = 0; k < corners; k++) {
+				*p++ = ' ';
+				p += random_corner(p, &random, VERTICES);
+			}
+			p += sprintf(p, "%s%s", random >> 29 ? "" : "\t ", end);
+		}
+		seen_decode(&seen, text, (size_t)(p - text), SIZE_MAX, SIZE_MAX, 1000);
+		assert_int_equal(seen.ret, 0);
+		assert_int_equal(seen.notes.vertices_in_file, VERTICES);
+		seen_decode(&other, text, (size_t)(p - text), 1, 1, 1000);
+		assert_true(seen_same(&seen, &other));
+		seen_decode(&other, text, (size_t)(p - text), 150, 150, 1000);
+		assert_true(seen_same(&seen, &other));
+	}
+}
+
+/* What looks like such a line up to some byte is refused where it is wrong. */
+static void test_odd_bytes_in_lines_in_one_go(void **state)
+{
+	static const char GOOD[] = V4 "v 10.25 -0.125 3\nf 1/12/1 2//345 3/7/123456 4\nf 1 2 3 4\n";
+	static const char ODD[] = "09.-+eE/ \t\nv#\\\r";
+	char text[sizeof GOOD - 1 + 200];
+	size_t len = sizeof GOOD - 1;
+
+	(void)state;
+	for (size_t at = 32; at < len; at++)
+		for (size_t odd = 0; odd < sizeof ODD - 1; odd++) {
+			memcpy(text, GOOD, len);
+			memset(text + len, '#', 199); /* room behind it, and none in the other */
+			text[len + 199] = '\n';
+			text[at] = ODD[odd];
+			seen_decode(&seen, text, len + 200, SIZE_MAX, SIZE_MAX, 1000);
+			seen_decode(&other, text, len + 200, 1, 1, 1000);
+			assert_true(seen_same(&seen, &other));
+		}
+}
+
 /* One face of many corners over many chunks, and the same held back. */
 static void test_a_long_face(void **state)
 {
@@ -634,6 +726,8 @@ int main(void)
 	    cmocka_unit_test(test_limits),
 	    cmocka_unit_test(test_too_many_vertices),
 	    cmocka_unit_test(test_numbers_of_many_digits),
+	    cmocka_unit_test(test_lines_in_one_go_are_as_byte_by_byte),
+	    cmocka_unit_test(test_odd_bytes_in_lines_in_one_go),
 	    cmocka_unit_test(test_a_long_face),
 	    cmocka_unit_test(test_blocks_are_full),
 	    cmocka_unit_test(test_failing_allocations),

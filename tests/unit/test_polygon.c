@@ -688,6 +688,57 @@ static void test_polygons_without_area(void **state)
 	free(s.p);
 }
 
+/* Flat, bent, concave, crossed, spiked, tiny, huge, far away: of 2^${scale}. */
+static void random_quad(double xyz[4][3], int scale)
+{
+	struct frame f = random_frame();
+	double lift = uniform() < 0.5 ? 0 : exp2(-30 * uniform()), far = exp2(40 * uniform());
+	int grid = uniform() < 0.5 ? 3 : 1 << 20; /* few places: flat corners and repeated ones */
+	bool axes = uniform() < 0.3;
+
+	for (int i = 0; i < 4; i++) {
+		double x = floor(grid * uniform()) / grid, y = floor(grid * uniform()) / grid;
+		double z = lift * uniform();
+
+		for (int k = 0; k < 3; k++) {
+			double u = axes ? (k == 0 ? x : k == 1 ? y : z) : x * f.u[k] + y * f.v[k];
+
+			xyz[i][k] = ldexp(u + (axes ? 0 : z + far * f.o[k] / 16), scale);
+		}
+	}
+}
+
+static void test_the_short_way_for_quads_is_no_other(void **state)
+{
+	const uint32_t corner[4] = {0, 1, 2, 3};
+	struct mp_polygon p = {0};
+	struct mp_error err;
+	int usual = 0, bent = 0;
+
+	(void)state;
+	random_state = 4;
+	for (int i = 0; i < 200000; i++) {
+		double xyz[4][3];
+		bool nonplanar;
+
+		random_quad(xyz, i % 10 ? 0 : i / 10 % 2000 - 1000);
+		if (!mp_polygon_usual_quad((const double(*)[3])xyz, corner, &nonplanar))
+			continue;
+		usual++;
+		bent += nonplanar;
+		assert_int_equal(mp_polygon_split(&p, (const double(*)[3])xyz, corner, 4, &err), 0);
+		assert_int_equal(p.nonplanar, nonplanar);
+		assert_false(p.tangled);
+		for (uint32_t k = 0; k < 2; k++) {
+			assert_int_equal(p.tri[k][0], 0);
+			assert_int_equal(p.tri[k][1], k + 1);
+			assert_int_equal(p.tri[k][2], k + 2);
+		}
+	}
+	assert_true(usual > 20000 && bent > 2000 && usual - bent > 2000);
+	mp_polygon_free(&p);
+}
+
 static void test_polygons_that_are_not_flat(void **state)
 {
 	const double LIFT[] = {0, 1e-7, 1e-4, 1e-2, 0.5};
@@ -816,6 +867,7 @@ int main(void)
 	    cmocka_unit_test(test_rounding_does_no_harm),
 	    cmocka_unit_test(test_outlines_that_go_there_and_back),
 	    cmocka_unit_test(test_polygons_without_area),
+	    cmocka_unit_test(test_the_short_way_for_quads_is_no_other),
 	    cmocka_unit_test(test_polygons_that_are_not_flat),
 	    cmocka_unit_test(test_polygons_that_cross_themselves),
 	    cmocka_unit_test(test_huge_and_tiny_polygons),
