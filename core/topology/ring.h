@@ -6,10 +6,10 @@
 #include <stdint.h>
 
 /*
- * Private to manifold.c.  A link is the vertex for which a triangle leaves the vertex in question
- * << 32 | the one from which it comes back.
+ * Private to ring_window.c.  A link is the vertex for which a triangle leaves the vertex in
+ * question << 32 | the one from which it comes back.
  */
-enum { MP_FEW = 8, MP_SOME = 16 }; /* links compared each with each, side by side */
+enum { MP_SOME = 16 }; /* links compared each with each, side by side */
 
 /*
  * Whether the ${n} <= ${lanes} links are one ring: steps from each to one that leaves for where it

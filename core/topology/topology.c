@@ -73,9 +73,10 @@ static int find_all(const struct mp_mesh *mesh, uint32_t most, struct mp_topolog
 
 static int find(const struct mp_mesh *mesh, uint32_t most, struct mp_topology *out)
 {
+	static const struct mp_manifold_room room = {.vertices = 1 << 14, .links = 1 << 22};
 	bool good;
 
-	if (mp_degenerate_find(mesh, most, out) || mp_manifold_find(mesh, MP_LINKS, out, &good) ||
+	if (mp_degenerate_find(mesh, most, out) || mp_manifold_find(mesh, &room, out, &good) ||
 	    (!good && find_all(mesh, most, out)))
 		return -1;
 	out->euler = (int64_t)(out->vertices + out->faces) - (int64_t)out->edges;

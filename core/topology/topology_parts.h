@@ -16,11 +16,17 @@ int mp_degenerate_find(const struct mp_mesh *, uint32_t most, struct mp_topology
 /*
  * manifold.c: the short way.  Where every edge is used once in each direction, every vertex has one
  * fan and no triangle repeats another, this fills everything below but euler; else ${*good} is
- * false and nothing is filled.  8 bytes for each of ${links} corners at a time, at most 24 a
- * triangle, and 4 a triangle besides.
+ * false and nothing is filled; so it may be, too, where most corners are at vertices of more than 8
+ * triangles.  4 bytes a vertex, those of a window, 12 for each of ${links} corners, a third of all
+ * if that is more, where the triangles are in no order, and 4 a triangle besides.
  */
-enum { MP_LINKS = 1 << 22 }; /* 32 MB: what is written in no order should have place in a cache */
-int mp_manifold_find(const struct mp_mesh *, size_t links, struct mp_topology *out, bool *good);
+struct mp_manifold_room {
+	uint32_t
+	    vertices; /* of a window, a power of two: 65 bytes each should have place in a cache */
+	uint32_t links; /* sorted at a time, 12 bytes each */
+};
+int mp_manifold_find(const struct mp_mesh *, const struct mp_manifold_room *,
+		     struct mp_topology *out, bool *good);
 
 /* components.c: body_of, bodies and what each body's edges are; also the counts of all edges. */
 int mp_bodies_find(const struct mp_mesh *, const struct mp_edges *, struct mp_topology *out);

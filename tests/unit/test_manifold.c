@@ -13,16 +13,57 @@
 #include "soup.h"
 #include "topology_reference.h"
 
-/* The same with ${links} links at a time; what it fills is the same as by definition. */
-static bool is_good_by(const struct soup *soup, size_t links)
+static const struct mp_manifold_room roomy = {.vertices = 1 << 14, .links = 1 << 22};
+
+/* Who watches: every vertex once, ascending, with all its links in the order of the triangles. */
+struct watch {
+	const struct mp_mesh *mesh;
+	uint32_t seen;
+	bool wrong;
+};
+
+static void check_links(void *self, const struct mp_links *l)
+{
+	struct watch *w = self;
+	uint32_t *at = malloc(((size_t)l->count + 1) * sizeof *at);
+
+	assert_non_null(at);
+	w->wrong = w->wrong || l->first != w->seen;
+	w->seen += l->count;
+	memcpy(at, l->row, ((size_t)l->count + 1) * sizeof *at);
+	for (uint32_t t = 0; t < w->mesh->triangles; t++) {
+		const uint32_t *v = w->mesh->tri[t];
+
+		for (unsigned k = 0; k < 3 && mp_has_edges(v); k++) {
+			uint64_t link = (uint64_t)v[(k + 1) % 3] << 32 | v[(k + 2) % 3];
+			uint32_t i = v[k] - l->first;
+
+			if (i < l->count)
+				w->wrong = w->wrong || at[i] == l->row[i + 1] ||
+					   l->link[at[i]++ - l->row[0]] != link;
+		}
+	}
+	for (uint32_t i = 0; i < l->count; i++)
+		w->wrong = w->wrong || at[i] != l->row[i + 1];
+	free(at);
+}
+
+/* With so many vertices and links at a time; what it fills is the same as by definition. */
+static bool is_good_by(const struct soup *soup, const struct mp_manifold_room *room)
 {
 	struct mp_topology t = {0}, want;
 	struct built b;
+	struct watch watch = {.mesh = &b.mesh};
+	const struct mp_links_sink sink = {check_links, &watch};
 	bool good = false;
 
 	assert_int_equal(soup_build(soup, 3, &b, NULL), 0);
-	assert_int_equal(mp_manifold_find(&b.mesh, links, &t, &good), 0);
+	b.mesh.watcher = &sink;
+	assert_int_equal(mp_manifold_find(&b.mesh, room, &t, &good), 0);
+	b.mesh.watcher = NULL;
+	assert_false(watch.wrong);
 	if (good) {
+		assert_int_equal(watch.seen, mp_vertices_count(b.mesh.vertices));
 		reference_topology(&b.mesh, &want);
 		assert_true(want.closed && want.watertight && want.winding_consistent);
 		assert_int_equal(want.non_manifold_vertices + want.duplicate_triangles, 0);
@@ -48,10 +89,14 @@ static bool is_good_by(const struct soup *soup, size_t links)
 /* What the short way says of ${soup}, whatever it keeps at a time. */
 static bool is_good(const struct soup *soup)
 {
-	bool good = is_good_by(soup, MP_LINKS);
+	bool good = is_good_by(soup, &roomy);
 
-	for (size_t links = 1; links < 200; links = 3 * links + 1)
-		assert_int_equal(is_good_by(soup, links), good);
+	for (uint32_t vertices = 1; vertices < 200; vertices *= 4)
+		for (uint32_t links = 1; links < 500; links *= 16) {
+			const struct mp_manifold_room room = {vertices, links};
+
+			assert_int_equal(is_good_by(soup, &room), good);
+		}
 	return good;
 }
 
@@ -77,8 +122,10 @@ static void large_meshes_are_looked_at_by_parts(void **unused)
 		if (round / 2)
 			soup_flip(&s, s.count - 1);
 		assert_int_equal(soup_build(&s, 3, &b, NULL), 0);
-		for (size_t links = 5; links < 30000; links *= 4) {
-			assert_int_equal(mp_manifold_find(&b.mesh, links, &t, &good), 0);
+		for (uint32_t vertices = 1; vertices < 30000; vertices *= 4) {
+			const struct mp_manifold_room room = {vertices, vertices};
+
+			assert_int_equal(mp_manifold_find(&b.mesh, &room, &t, &good), 0);
 			assert_int_equal(good, round / 2 == 0);
 			if (good) {
 				assert_int_equal(t.bodies, 2);
@@ -148,6 +195,28 @@ static void vertices_of_many_triangles_are_rings(void **unused)
 		assert_false(is_good(&s)); /* wound against the rest */
 		soup_free(&s);
 	}
+}
+
+/* Nearly all corners at two vertices: there is no room for that, and the long way says the same. */
+static void many_links_far_away_take_the_long_way(void **unused)
+{
+	struct mp_topology t = {0};
+	struct soup s = {0};
+	struct built b;
+	bool good = true;
+
+	(void)unused;
+	bipyramid(&s, 4000, 0);
+	assert_int_equal(soup_build(&s, 3, &b, NULL), 0);
+	assert_int_equal(mp_manifold_find(&b.mesh, &roomy, &t, &good), 0);
+	assert_false(good);
+	assert_int_equal(mp_topology_find(&b.mesh, 9, &t, NULL), 0);
+	assert_true(t.watertight && t.winding_consistent);
+	assert_int_equal(t.euler, 2);
+	assert_int_equal(t.body[0].fans, 4002);
+	mp_topology_free(&t);
+	built_free(&b);
+	soup_free(&s);
 }
 
 /* Two fans at a vertex: every link has its successor, but they are two rings. */
@@ -317,6 +386,7 @@ int main(void)
 	    cmocka_unit_test(good_meshes_take_the_short_way),
 	    cmocka_unit_test(large_meshes_are_looked_at_by_parts),
 	    cmocka_unit_test(vertices_of_many_triangles_are_rings),
+	    cmocka_unit_test(many_links_far_away_take_the_long_way),
 	    cmocka_unit_test(two_rings_at_a_vertex_are_not_one),
 	    cmocka_unit_test(an_edge_of_two_bodies_is_no_good),
 	    cmocka_unit_test(two_sides_of_a_triangle_are_duplicates),
