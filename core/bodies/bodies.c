@@ -23,6 +23,10 @@ static void group(const struct mp_mesh *mesh, const struct mp_topology *t, struc
 		at += t->body[i].triangles;
 	}
 	b->start[0] = 0;
+	if (b->order == NULL) {
+		next[0] = mesh->triangles;
+		return;
+	}
 	for (uint32_t i = 0; i < mesh->triangles; i++) {
 		uint32_t body = t->body_of[i];
 
@@ -78,7 +82,7 @@ static void set_zero(struct mp_solid *solid)
 static void measure(const struct mp_mesh *mesh, const struct mp_topology *t, struct mp_bodies *b,
 		    uint32_t i, struct mp_solid *solid)
 {
-	const uint32_t *order = b->order + b->start[i];
+	const uint32_t *order = mp_bodies_order(b, i);
 	uint32_t count = b->start[i + 1] - b->start[i];
 	struct mp_moments m;
 
@@ -120,7 +124,7 @@ static bool measure_all(const struct mp_mesh *mesh, const struct mp_topology *t,
 		} else if (closed || i < b->listed) {
 			measure(mesh, t, b, i, &solid);
 		} else {
-			find_box(mesh, b->order + b->start[i], t->body[i].triangles, &b->box[i]);
+			find_box(mesh, mp_bodies_order(b, i), t->body[i].triangles, &b->box[i]);
 			continue;
 		}
 		if (closed) {
@@ -135,17 +139,18 @@ static bool measure_all(const struct mp_mesh *mesh, const struct mp_topology *t,
 }
 
 /* Every count stands for memory that is there already, so none is absurd. */
-static int allocate(const struct mp_mesh *mesh, struct mp_bodies *b, struct mp_error *err)
+static int allocate(const struct mp_mesh *mesh, bool alone, struct mp_bodies *b,
+		    struct mp_error *err)
 {
 	size_t count = (size_t)b->count + 1, listed = (size_t)b->listed + 1; /* never 0 bytes */
 
 	b->start = calloc(count, sizeof *b->start);
-	b->order = calloc((size_t)mesh->triangles + 1, sizeof *b->order);
+	b->order = alone ? NULL : calloc((size_t)mesh->triangles + 1, sizeof *b->order);
 	b->box = calloc(count, sizeof *b->box);
 	b->nest = calloc(count, sizeof *b->nest);
 	b->winding = calloc(count, sizeof *b->winding);
 	b->solid = calloc(listed, sizeof *b->solid);
-	if (b->start == NULL || b->order == NULL || b->box == NULL || b->nest == NULL ||
+	if (b->start == NULL || (b->order == NULL && !alone) || b->box == NULL || b->nest == NULL ||
 	    b->winding == NULL || b->solid == NULL)
 		return mp_fail_nomem(err);
 	return 0;
@@ -188,7 +193,7 @@ int mp_bodies_measure(const struct mp_mesh *mesh, const struct mp_topology *t, u
 	out->count = t->bodies;
 	out->listed = most < t->bodies ? most : t->bodies;
 	out->in_range = true;
-	if (allocate(mesh, out, err))
+	if (allocate(mesh, alone, out, err))
 		return -1;
 	group(mesh, t, out);
 	mp_solid_find(total, mesh, NULL, mesh->triangles, mp_has_volume(t) && alone, whole);

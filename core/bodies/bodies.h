@@ -11,7 +11,8 @@
 struct mp_bodies {
 	uint32_t count;
 	uint32_t *start; /* count + 1: order[start[b]..start[b+1]) are the triangles of body b */
-	uint32_t *order; /* ascending within a body; those without a body come last */
+	/* Ascending within a body; those without a body come last; NULL: one body has them all. */
+	uint32_t *order;
 	struct mp_box *box;
 	struct mp_nest *nest;
 	uint8_t *winding; /* enum mp_orientation by the sign of its volume; NONE: open or flat */
@@ -23,6 +24,12 @@ struct mp_bodies {
 
 /* Is the mesh one body and nothing else?  Then the sums of the whole are the body's. */
 bool mp_bodies_alone(const struct mp_mesh *mesh, const struct mp_topology *topology);
+
+/* The triangles of body ${b}, start[b + 1] - start[b] of them; NULL for 0, 1, 2 ... */
+static inline const uint32_t *mp_bodies_order(const struct mp_bodies *b, uint32_t body)
+{
+	return b->order == NULL ? NULL : b->order + b->start[body];
+}
 
 /* Does what is enclosed mean something: closed, or open only along cracks of no area? */
 static inline bool mp_body_has_volume(const struct mp_body_topology *t)

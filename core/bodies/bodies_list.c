@@ -8,7 +8,7 @@ static const char *find_name(const struct mp_bodies *b, uint32_t i, const struct
 			     size_t *len)
 {
 	const struct mp_parts *const from[] = {&names->parts, &names->objects, &names->materials};
-	const uint32_t *tri = b->order + b->start[i];
+	const uint32_t *tri = mp_bodies_order(b, i);
 	const char *name = NULL;
 
 	for (size_t k = 0; k < 3 && name == NULL; k++)

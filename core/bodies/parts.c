@@ -92,12 +92,13 @@ const char *mp_parts_name(const struct mp_parts *p, const uint32_t *tri, size_t 
 	uint64_t end = 0;
 
 	*len = 0;
-	for (size_t i = 0; i < count; i++) {
+	for (uint64_t i = 0; i < count; i = tri != NULL ? i + 1 : end) {
 		const struct mp_part *part;
+		uint64_t t = tri != NULL ? tri[i] : i;
 
-		if (tri[i] < end)
+		if (t < end)
 			continue;
-		part = mp_parts_at(p, tri[i], &end);
+		part = mp_parts_at(p, t, &end);
 		if (part == NULL || part->len == 0 ||
 		    (name != NULL && !is_like(p, name, p->pool + part->name, part->len, false)))
 			return NULL;

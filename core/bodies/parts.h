@@ -39,8 +39,8 @@ int mp_parts_end(struct mp_parts *, uint64_t first, struct mp_error *err);
 const struct mp_part *mp_parts_at(const struct mp_parts *, uint64_t t, uint64_t *end);
 
 /*
- * The name that all of the ${count} > 0 triangles ${tri}[], ascending, go by, ${*len} bytes, or
- * NULL where there is none.  Points into the pool.
+ * The name that all of the ${count} > 0 triangles ${tri}[], ascending (NULL: 0, 1, 2 ...), go by,
+ * ${*len} bytes, or NULL where there is none.  Points into the pool.
  */
 const char *mp_parts_name(const struct mp_parts *, const uint32_t *tri, size_t count, size_t *len);
 

@@ -146,7 +146,7 @@ static int settle_winding(struct orienter *o, struct mp_error *err)
 			continue;
 		if (grid.q == NULL && mp_exact_grid_find(&o->mesh, &grid, err))
 			return -1;
-		ret = mp_exact_find(&o->mesh, &grid, b->order + b->start[i],
+		ret = mp_exact_find(&o->mesh, &grid, mp_bodies_order(b, i),
 				    b->start[i + 1] - b->start[i], &e, err);
 		if (ret)
 			break;

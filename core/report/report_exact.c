@@ -214,7 +214,7 @@ static int settle_winding(const struct mp_mesh *mesh, const struct mp_exact_grid
 		if (bodies->winding[b] != MP_ORIENTATION_NONE ||
 		    !mp_body_has_volume(&r->topology.body[b]))
 			continue;
-		if (mp_exact_find(mesh, grid, bodies->order + bodies->start[b],
+		if (mp_exact_find(mesh, grid, mp_bodies_order(bodies, b),
 				  bodies->start[b + 1] - bodies->start[b], &e, err))
 			return -1;
 		sign = mp_exact_sign(&e);
@@ -308,7 +308,7 @@ int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_requ
 			put_same(&r->total, &r->body[b].mass);
 			continue;
 		}
-		rc = find_mapped(mesh, &x->grid, r, bodies->order + bodies->start[b],
+		rc = find_mapped(mesh, &x->grid, r, mp_bodies_order(bodies, b),
 				 bodies->start[b + 1] - bodies->start[b], &e, err);
 		if (rc == 0) {
 			put_body(&e, density, &r->body[b]);

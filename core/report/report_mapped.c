@@ -41,7 +41,7 @@ void mp_report_map_bodies(const struct mp_report *r, const struct mp_mesh *mesh,
 			  struct mp_bodies *b)
 {
 	for (uint32_t i = 0; r->mapped && i < b->listed; i++) {
-		const uint32_t *order = b->order + b->start[i];
+		const uint32_t *order = mp_bodies_order(b, i);
 		uint32_t count = b->start[i + 1] - b->start[i];
 
 		mp_affine_solid(&r->map, &b->solid[i]);

@@ -20,13 +20,15 @@ static void add(struct mp_parts *p, uint64_t first, const char *name)
 
 static void assert_name(const struct mp_parts *p, uint64_t first, uint64_t last, const char *want)
 {
-	uint32_t tri[100];
+	uint32_t tri[100] = {0};
 	size_t len, count = 0;
 	const char *name;
 
 	for (uint64_t i = first; i <= last; i++)
 		tri[count++] = (uint32_t)i;
 	name = mp_parts_name(p, tri, count, &len);
+	if (first == 0)
+		assert_ptr_equal(mp_parts_name(p, NULL, count, &len), name);
 	if (want == NULL) {
 		assert_null(name);
 		assert_int_equal(len, 0);
