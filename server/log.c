@@ -8,6 +8,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "server/line.h"
+
 static struct {
 	enum srv_level most;
 	bool json;
@@ -55,16 +57,25 @@ static const char *escape(const char *s, char *out, size_t size)
 	return out;
 }
 
-static void stamp(char out[40])
+static const char *stamp(void)
 {
+	static time_t second; /* of what is in text: most lines come within one */
+	static char text[40];
 	struct timespec ts;
+	struct srv_line l;
 	struct tm tm;
-	size_t n;
 
 	clock_gettime(CLOCK_REALTIME, &ts);
-	gmtime_r(&ts.tv_sec, &tm);
-	n = strftime(out, 40, "%Y-%m-%dT%H:%M:%S", &tm);
-	(void)snprintf(out + n, 40 - n, ".%03ldZ", ts.tv_nsec / 1000000);
+	if (ts.tv_sec != second || text[0] == '\0') {
+		gmtime_r(&ts.tv_sec, &tm);
+		(void)strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &tm);
+		second = ts.tv_sec;
+	}
+	l = (struct srv_line){text, strcspn(text, "."), sizeof text};
+	srv_line_say(&l, ".");
+	srv_line_digits(&l, (uint64_t)ts.tv_nsec / 1000000, 3);
+	srv_line_say(&l, "Z");
+	return text;
 }
 
 /* Whole lines, and not more of them than a pipe takes at once: others write to it, too. */
@@ -90,65 +101,94 @@ void srv_log_flush(void)
 	held.len = 0;
 }
 
-static void hold(char *line, int n, size_t size)
+static void hold(const char *line, size_t len)
 {
-	size_t len = n < 0 ? 0 : (size_t)n < size - 1 ? (size_t)n : size - 2;
-
-	line[len++] = '\n';
-	if (len > sizeof held.lines - held.len)
+	if (len + 1 > sizeof held.lines - held.len)
 		srv_log_flush();
 	memcpy(held.lines + held.len, line, len);
-	held.len += len;
+	held.lines[held.len + len] = '\n';
+	held.len += len + 1;
+}
+
+/* Up to the first word that only this line has. */
+static void begin(struct srv_line *l, enum srv_level level)
+{
+	srv_line_say(l, log_state.json ? "{\"time\":\"" : "");
+	srv_line_say(l, stamp());
+	srv_line_say(l, log_state.json ? "\",\"level\":\"" : " ");
+	srv_line_say(l, level_name[level]);
+	srv_line_say(l, log_state.json ? "\",\"role\":\"" : " ");
+	srv_line_say(l, log_state.role);
 }
 
 void srv_log(enum srv_level level, const char *fmt, ...)
 {
-	char text[512], safe[1024], when[40], line[1400];
+	char text[512], safe[1024], line[1400];
+	struct srv_line l = SRV_LINE(line);
 	va_list ap;
-	int n;
 
 	if (!srv_log_wants(level))
 		return;
 	va_start(ap, fmt);
 	(void)vsnprintf(text, sizeof text, fmt, ap);
 	va_end(ap);
-	stamp(when);
-	n = log_state.json
-		? snprintf(line, sizeof line,
-			   "{\"time\":\"%s\",\"level\":\"%s\",\"role\":\"%s\",\"message\":\"%s\"}",
-			   when, level_name[level], log_state.role, escape(text, safe, sizeof safe))
-		: snprintf(line, sizeof line, "%s %s %s: %s", when, level_name[level],
-			   log_state.role, escape(text, safe, sizeof safe));
-	hold(line, n, sizeof line);
+	begin(&l, level);
+	srv_line_say(&l, log_state.json ? "\",\"message\":\"" : ": ");
+	srv_line_say(&l, escape(text, safe, sizeof safe));
+	srv_line_say(&l, log_state.json ? "\"}" : "");
+	hold(line, l.len);
 	srv_log_flush();
+}
+
+static void say_pair(struct srv_line *l, const char *name, const char *value)
+{
+	srv_line_say(l, name);
+	srv_line_say(l, value);
+}
+
+static void say_sizes(struct srv_line *l, const struct srv_access *a)
+{
+	srv_line_say(l, log_state.json ? ",\"received\":" : " received=");
+	srv_line_count(l, a->received);
+	srv_line_say(l, log_state.json ? ",\"sent\":" : " sent=");
+	srv_line_count(l, a->sent);
+	srv_line_say(l, log_state.json ? ",\"ms\":" : " ms=");
+	srv_line_thousandths(l, 1e3 * a->seconds);
 }
 
 void srv_log_access(const struct srv_access *a)
 {
-	char path[300], method[80], id[80], when[40], line[1200];
-	int n;
+	char path[300], method[80], id[80], line[1200];
+	struct srv_line l = SRV_LINE(line);
 
 	if (!srv_log_wants(SRV_INFO))
 		return;
-	stamp(when);
 	escape(a->path, path, sizeof path);
 	escape(a->method, method, sizeof method);
 	escape(a->id, id, sizeof id);
-	if (log_state.json)
-		n = snprintf(
-		    line, sizeof line,
-		    "{\"time\":\"%s\",\"level\":\"info\",\"role\":\"%s\",\"request_id\":\"%s\","
-		    "\"client\":\"%s\",\"method\":\"%s\",\"path\":\"%s\",\"status\":%d,"
-		    "\"code\":\"%s\",\"format\":\"%s\",\"received\":%llu,\"sent\":%llu,"
-		    "\"ms\":%.3f}",
-		    when, log_state.role, id, a->client, method, path, a->status, a->code,
-		    a->format, a->received, a->sent, 1e3 * a->seconds);
-	else
-		n = snprintf(
-		    line, sizeof line,
-		    "%s info %s: %s %s %s %d%s%s%s%s received=%llu sent=%llu ms=%.3f id=%s", when,
-		    log_state.role, a->client, method, path, a->status, *a->code ? " " : "",
-		    a->code, *a->format ? " format=" : "", a->format, a->received, a->sent,
-		    1e3 * a->seconds, id);
-	hold(line, n, sizeof line);
+	begin(&l, SRV_INFO);
+	if (log_state.json) {
+		say_pair(&l, "\",\"request_id\":\"", id);
+		say_pair(&l, "\",\"client\":\"", a->client);
+		say_pair(&l, "\",\"method\":\"", method);
+		say_pair(&l, "\",\"path\":\"", path);
+		srv_line_say(&l, "\",\"status\":");
+		srv_line_count(&l, (uint64_t)a->status);
+		say_pair(&l, ",\"code\":\"", a->code);
+		say_pair(&l, "\",\"format\":\"", a->format);
+		srv_line_say(&l, "\"");
+		say_sizes(&l, a);
+		srv_line_say(&l, "}");
+	} else {
+		say_pair(&l, ": ", a->client);
+		say_pair(&l, " ", method);
+		say_pair(&l, " ", path);
+		srv_line_say(&l, " ");
+		srv_line_count(&l, (uint64_t)a->status);
+		say_pair(&l, *a->code != '\0' ? " " : "", a->code);
+		say_pair(&l, *a->format != '\0' ? " format=" : "", a->format);
+		say_sizes(&l, a);
+		say_pair(&l, " id=", id);
+	}
+	hold(line, l.len);
 }

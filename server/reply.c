@@ -10,22 +10,28 @@
 
 #include "server/clock.h"
 #include "server/front_private.h"
+#include "server/line.h"
 
 typedef void adder(void *to, const char *name, const char *value);
 
 static void timing(const struct srv_exchange *ex, adder *add, void *to)
 {
 	char text[200];
+	struct srv_line l = SRV_LINE(text);
 
-	if (ex->has_result)
-		(void)snprintf(
-		    text, sizeof text,
-		    "receive;dur=%.3f, queue;dur=%.3f, decode;dur=%.3f, analyse;dur=%.3f, "
-		    "total;dur=%.3f",
-		    1e3 * (ex->last_byte - ex->began), 1e3 * (ex->dispatched - ex->queued_at),
-		    ex->result.decode_ms, ex->result.analyse_ms, 1e3 * (srv_now() - ex->began));
-	else
-		(void)snprintf(text, sizeof text, "total;dur=%.3f", 1e3 * (srv_now() - ex->began));
+	if (ex->has_result) {
+		srv_line_say(&l, "receive;dur=");
+		srv_line_thousandths(&l, 1e3 * (ex->last_byte - ex->began));
+		srv_line_say(&l, ", queue;dur=");
+		srv_line_thousandths(&l, 1e3 * (ex->dispatched - ex->queued_at));
+		srv_line_say(&l, ", decode;dur=");
+		srv_line_thousandths(&l, ex->result.decode_ms);
+		srv_line_say(&l, ", analyse;dur=");
+		srv_line_thousandths(&l, ex->result.analyse_ms);
+		srv_line_say(&l, ", ");
+	}
+	srv_line_say(&l, "total;dur=");
+	srv_line_thousandths(&l, 1e3 * (srv_now() - ex->began));
 	add(to, "Server-Timing", text);
 }
 

@@ -29,6 +29,7 @@ enum { IDS = 16 };
 
 static void set_id(struct srv_exchange *ex, const char *wish)
 {
+	static const char hex[] = "0123456789abcdef";
 	static uint64_t drawn[IDS][2]; /* one system call for several */
 	static unsigned left;
 	const uint64_t *r;
@@ -42,8 +43,9 @@ static void set_id(struct srv_exchange *ex, const char *wish)
 		left = IDS;
 	}
 	r = drawn[--left];
-	(void)snprintf(ex->id, sizeof ex->id, "%016llx%08llx", (unsigned long long)r[0],
-		       (unsigned long long)(r[1] & 0xffffffffu));
+	for (unsigned i = 0; i < 24; i++)
+		ex->id[i] = hex[r[i / 16] >> (i % 16 * 4) & 15];
+	ex->id[24] = '\0';
 }
 
 /* ---- answers known from the head ---- */
