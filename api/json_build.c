@@ -182,6 +182,26 @@ static void end_member(struct api_json *j)
 	j->name = NULL;
 }
 
+/* ,"name": or, where it is the first of its object, "name": */
+static void put_name(struct api_text *t, const char *name)
+{
+	size_t len = strlen(name);
+	char *p;
+
+	if (!has_room(t, len + 4))
+		return;
+	p = t->text + t->len;
+	if (t->len > 0 && p[-1] != '{')
+		*p++ = ',';
+	*p++ = '"';
+	memcpy(p, name, len);
+	p += len;
+	*p++ = '"';
+	*p++ = ':';
+	*p = '\0';
+	t->len = (size_t)(p - t->text);
+}
+
 /* Where the value of the new member goes, or NULL. */
 static struct api_text *begin(struct api_json *j, const cJSON *parent, const char *name)
 {
@@ -203,11 +223,7 @@ static struct api_text *begin(struct api_json *j, const cJSON *parent, const cha
 		return NULL;
 	}
 	close_to(j, depth + 1);
-	if (j->text.len > 0 && j->text.text[j->text.len - 1] != '{')
-		put_char(&j->text, ',');
-	put_char(&j->text, '"');
-	api_text_say(&j->text, name);
-	api_text_put(&j->text, "\":", 2);
+	put_name(&j->text, name);
 	return &j->text;
 }
 

@@ -18,11 +18,15 @@ struct decimal { /* d.ddd * 10^exponent */
 
 /* The significand m*2^e of a positive double, scaled by 10^k: a 17-digit number, exactly. */
 struct scaled {
-	u128 product; /* m * 10^k, shifted left by e where e > 0 */
-	u128 ulp;     /* what one unit of m is worth in ${product} */
-	int shift;    /* digits = product >> shift */
-	bool even;    /* m is even: a tie reads back to x */
+	u128 product;  /* m * 10^k, shifted left by e where e > 0 */
+	u128 ulp;      /* what one unit of m is worth in ${product} */
+	int shift;     /* digits = product >> shift */
+	bool even;     /* m is even: a tie reads back to x */
+	bool lowest;   /* m is a power of two: below it the numbers are twice as dense */
+	unsigned dull; /* product and ulp are off by less than this; 0: they are exact */
 };
+
+enum attempt { SHORTER_FAILS, READS_BACK, UNSURE };
 
 static u128 power_of_ten(int k) /* 0 <= k <= 38 */
 {
@@ -33,19 +37,25 @@ static u128 power_of_ten(int k) /* 0 <= k <= 38 */
 	return p;
 }
 
+/* n > 0 has at most 18 digits. */
 static void digits_of(uint64_t n, int exponent, struct decimal *d)
 {
-	char buf[24] = "";
-	int len = 0;
+	char buf[20];
+	int len = 0, first = sizeof buf;
+	uint32_t part[2] = {(uint32_t)(n % 1000000000), 0};
 
-	while (n % 10 == 0)
-		n /= 10;
-	for (; n > 0; n /= 10)
-		buf[len++] = (char)('0' + n % 10);
+	part[1] = (uint32_t)(n / 1000000000);
+	for (int i = 0; i < 2; i++) /* 32-bit divisions by a constant: twice as fast */
+		for (int k = 0; k < 9; k++, part[i] /= 10)
+			buf[--first] = (char)('0' + part[i] % 10);
+	while (buf[first] == '0')
+		first++;
+	len = (int)sizeof buf - first;
+	memcpy(d->digit, buf + first, (size_t)len);
+	while (d->digit[len - 1] == '0')
+		len--;
 	d->count = len;
 	d->exponent = exponent;
-	for (int i = 0; i < len; i++)
-		d->digit[i] = buf[len - 1 - i];
 }
 
 static bool scale(double x, int k, struct scaled *s)
@@ -62,56 +72,103 @@ static bool scale(double x, int k, struct scaled *s)
 	s->product = m * s->ulp;
 	s->shift = e < 0 ? -e : 0;
 	s->even = m % 2 == 0;
+	s->lowest = m == UINT64_C(1) << (DBL_MANT_DIG - 1);
+	s->dull = 0;
 	return true;
 }
 
-/*
- * Does ${n} units of the 17th digit lie so near that it reads back to the same double?  Below a
- * power of two the gap is only half as wide, but none of those few in fast()'s range has a
- * shorter neighbour there (the unit test goes through all of them).
- */
-static bool reads_back(const struct scaled *s, uint64_t n)
+/* The same for any normal x by the highest 128 bits of 10^k: nearly all that is ever needed. */
+static bool scale_dull(double x, int k, struct scaled *s)
 {
-	u128 there = (u128)n << s->shift;
-	u128 gap = 2 * (there < s->product ? s->product - there : there - s->product);
+	const uint64_t hidden = UINT64_C(1) << 52;
+	uint64_t bits, w, top[2];
+	int e;
 
-	return gap < s->ulp || (gap == s->ulp && s->even);
+	memcpy(&bits, &x, sizeof bits);
+	w = ((bits & (hidden - 1)) | hidden) << 11;
+	e = (int)(bits >> 52) - 1075 - 11 + mp_number_power(k, top) + 64;
+	s->product = ((u128)w * top[0] + ((u128)w * top[1] >> 64)) >> 1;
+	s->ulp = ((u128)top[0] << 64 | top[1]) >> 54;
+	s->shift = -e - 1;
+	s->even = (bits & 1) == 0;
+	s->lowest = (bits & (hidden - 1)) == 0;
+	s->dull = 8; /* 2 of the product and 1 of ulp, doubled where they are compared */
+	return s->shift > 64 && s->shift < 80;
 }
 
-/* The nearest number with its last ${drop} of 17 digits zero, ties to even. */
-static uint64_t round_off(const struct scaled *s, uint64_t unit)
+/*
+ * The nearest number with the last digits of 17 zero, ties to even: ${unit} is 100, 10 or 1, and
+ * the result is in units of the 17th digit.  Does it lie so near that it reads back to the same
+ * double?  (17 digits always do.)
+ */
+static inline enum attempt round_off(const struct scaled *s, uint64_t unit, uint64_t *out)
 {
 	uint64_t n = (uint64_t)(s->product >> s->shift);
 	u128 low = s->product - ((u128)n << s->shift);
-	u128 rest = ((u128)(n % unit) << s->shift) + low;
-	u128 half = (u128)unit << s->shift;
-	bool up = 2 * rest > half || (2 * rest == half && (n / unit) % 2 == 1);
+	u128 rest = 2 * (((u128)(n % unit) << s->shift) + low);
+	u128 half = (u128)unit << s->shift, there, gap, room;
 
-	return (n / unit + (up ? 1 : 0)) * unit;
+	if (s->dull > 0 && (rest > half ? rest - half : half - rest) < s->dull)
+		return UNSURE;
+	*out = (n / unit + (rest > half || (rest == half && (n / unit) % 2 == 1) ? 1 : 0)) * unit;
+	if (unit == 1)
+		return READS_BACK;
+	there = (u128)*out << s->shift;
+	room = there < s->product && s->lowest ? s->ulp / 2 : s->ulp;
+	gap = 2 * (there < s->product ? s->product - there : there - s->product);
+	if (s->dull > 0 && (gap > room ? gap - room : room - gap) < s->dull)
+		return UNSURE;
+	return gap < room || (gap == room && s->even) ? READS_BACK : SHORTER_FAILS;
 }
 
-/* 1e-6 <= x < 1e17, in integers of 128 bits: no rounding, no table, no search. */
+static const uint64_t least17 = UINT64_C(10000000000000000); /* 10^16 */
+
+static bool shorten(const struct scaled *s, int exponent, struct decimal *d)
+{
+	uint64_t n;
+	enum attempt a = round_off(s, 100, &n);
+
+	a = a == SHORTER_FAILS ? round_off(s, 10, &n) : a;
+	a = a == SHORTER_FAILS ? round_off(s, 1, &n) : a;
+	if (a == READS_BACK)
+		digits_of(n, n >= 10 * least17 ? exponent + 1 : exponent, d);
+	return a == READS_BACK;
+}
+
+/* False where 128 bits do not tell, which is rare, and below 1e-290, where 10^k is not known. */
 static bool fast(double x, struct decimal *d)
 {
-	const uint64_t low = UINT64_C(10000000000000000); /* 10^16 */
+	struct scaled s;
+	int binary, exponent;
+
+	if (x < 1e-290)
+		return false;
+	(void)frexp(x, &binary);
+	/* floor(log10(2^(binary-1))) by log10(2), and x may have one digit more; 2^22 * log10(2) */
+	exponent = (int)((INT64_C(1262611) * (binary - 1 + (1 << 22))) >> 22) - 1262611;
+	if (!scale_dull(x, 16 - exponent, &s))
+		return false;
+	if (s.product >> s.shift >= 10 * least17 && !scale_dull(x, 16 - ++exponent, &s))
+		return false;
+	return s.product >> s.shift >= least17 && shorten(&s, exponent, d);
+}
+
+/* 1e-6 <= x < 1e17, in integers of 128 bits: no rounding, no table. */
+static bool exact(double x, struct decimal *d)
+{
 	int exponent = (int)floor(log10(x));
 	struct scaled s;
-	uint64_t n, unit;
+	uint64_t n;
 
 	if (!scale(x, 16 - exponent, &s))
 		return false;
 	n = (uint64_t)(s.product >> s.shift);
-	if (n < low || n >= 10 * low) { /* log10 rounded across a power of ten */
-		exponent += n < low ? -1 : 1;
+	if (n < least17 || n >= 10 * least17) { /* log10 rounded across a power of ten */
+		exponent += n < least17 ? -1 : 1;
 		if (!scale(x, 16 - exponent, &s))
 			return false;
 	}
-	for (unit = 100; unit > 1; unit /= 10)
-		if (reads_back(&s, round_off(&s, unit)))
-			break;
-	n = round_off(&s, unit);
-	digits_of(n, n >= 10 * low ? exponent + 1 : exponent, d);
-	return true;
+	return shorten(&s, exponent, d);
 }
 
 /*
@@ -129,10 +186,15 @@ static size_t lay_out(char *out, bool negative, const struct decimal *d)
 	if (negative)
 		*p++ = '-';
 	if (e >= 0 && e < PLAIN) {
-		for (i = 0; i < d->count || i <= e; i++) {
-			if (i == e + 1)
-				*p++ = '.';
-			*p++ = (char)(i < d->count ? d->digit[i] : '0');
+		int whole = d->count <= e ? d->count : e + 1;
+
+		memcpy(p, d->digit, (size_t)whole);
+		memset(p + whole, '0', (size_t)(e + 1 - whole));
+		p += e + 1;
+		if (d->count > whole) {
+			*p++ = '.';
+			memcpy(p, d->digit + whole, (size_t)(d->count - whole));
+			p += d->count - whole;
 		}
 		*p = '\0';
 		return (size_t)(p - out);
@@ -271,7 +333,7 @@ size_t api_json_number(char out[API_NUMBER_SIZE], double x)
 		for (; tens <= n; tens *= 10)
 			exponent++;
 		digits_of(n, exponent, &d);
-	} else if (a < 1e-6 || a >= 1e17 || !fast(a, &d)) {
+	} else if (!fast(a, &d) && (a < 1e-6 || a >= 1e17 || !exact(a, &d))) {
 		slow(a, &d);
 	}
 	return lay_out(out, x < 0, &d);

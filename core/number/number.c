@@ -30,6 +30,12 @@ static void multiply(uint64_t w, int64_t q, uint64_t *hi, uint64_t *lo)
 	*lo = (uint64_t)product;
 }
 
+int mp_number_power(int q, uint64_t top[2])
+{
+	memcpy(top, pow5_table[q - POW5_LOWEST], 2 * sizeof top[0]);
+	return (int)binary_exponent(q) - 63 - 127;
+}
+
 static double from_bits(uint64_t exponent, uint64_t mantissa)
 {
 	uint64_t bits = exponent << 52 | (mantissa & (((uint64_t)1 << 52) - 1));

@@ -2,6 +2,7 @@
 #define MP_NUMBER_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 /*
  * mp_number_parse(text, len, value):
@@ -17,5 +18,12 @@
  * big integers where those two cannot decide.  Allocates nothing, thread-safe.
  */
 int mp_number_parse(const char *text, size_t len, double *value);
+
+/*
+ * mp_number_power(q, top):
+ * 10^${q}, -342 <= q <= 308, is about (2^64*top[0] + top[1]) * 2^e, where e is returned and the
+ * highest bit of top[0] is set: off by less than one unit of top[1], exact for 0 <= q <= 55.
+ */
+int mp_number_power(int q, uint64_t top[2]);
 
 #endif

@@ -190,6 +190,17 @@ static void numbers_of_a_workshop_read_back_in_the_fewest_digits(void **state)
 	}
 }
 
+/* Numbers of few bits have an end, often a 5: just between two of the next shorter ones. */
+static void ties_read_back_in_the_fewest_digits(void **state)
+{
+	(void)state;
+	prints(1.000030517578125, "1.000030517578125");
+	prints(0x1.0001p0, "1.0000152587890625");
+	for (int i = 0; i < 60000; i++)
+		reads_back(ldexp((double)(random64() >> (12 + random64() % 50) | 1),
+				 -(int)(random64() % 120)));
+}
+
 /* Where the gap below is half the gap above, and where log10 rounds. */
 static void neighbours_of_powers_read_back(void **state)
 {
@@ -236,6 +247,7 @@ int main(void)
 	    cmocka_unit_test(the_ends_of_the_range_read_back),
 	    cmocka_unit_test(any_double_reads_back_in_the_fewest_digits),
 	    cmocka_unit_test(numbers_of_a_workshop_read_back_in_the_fewest_digits),
+	    cmocka_unit_test(ties_read_back_in_the_fewest_digits),
 	    cmocka_unit_test(neighbours_of_powers_read_back),
 	    cmocka_unit_test(people_get_the_digits_they_ask_for),
 	};
