@@ -161,21 +161,27 @@ static bool is_utf8(const uint8_t *b, size_t len)
 	return true;
 }
 
+static const uint8_t *find(const uint8_t *at, const uint8_t *end, char c)
+{
+	return at < end ? memchr(at, c, (size_t)(end - at)) : NULL;
+}
+
 /*
  * Traces of an editor or a transfer in text mode: bytes that were no UTF-8 became U+FFFD, or every
  * LF got a CR.  Neither comes about in a good file by chance (one LF in 256 has a CR before it).
  */
 static const char *mangled(const uint8_t *b, size_t len, bool utf8)
 {
-	size_t lf = 0, crlf = 0;
+	const uint8_t *end = b + (len < STL_HEADER + 2 ? STL_HEADER : len - 2), *at;
+	size_t lf = 0;
 
-	for (size_t i = STL_HEADER; i + 2 < len; i++) {
-		if (utf8 && memcmp(b + i, "\xef\xbf\xbd", 3) == 0)
+	for (at = b + STL_HEADER; utf8 && at < end; at++)
+		if (memcmp(at, "\xef\xbf\xbd", 3) == 0)
 			return "a binary STL that was saved as text (bytes became U+FFFD)";
-		lf += b[i] == '\n';
-		crlf += b[i] == '\n' && b[i - 1] == '\r';
-	}
-	return lf >= 4 && crlf == lf ? "a binary STL whose line ends were converted" : NULL;
+	for (at = b + STL_HEADER; (at = find(at, end, '\n')) != NULL; at++, lf++)
+		if (at[-1] != '\r')
+			return NULL;
+	return lf >= 4 ? "a binary STL whose line ends were converted" : NULL;
 }
 
 static uint64_t declared_size(const uint8_t *b)
