@@ -175,11 +175,21 @@ static inline unsigned digits_at(const char *p)
 
 enum { CORNER_ROOM = 3 * 8 + 8 };
 
-/* corner(), where there is room, of up to 7 digits each; ${lengths} are those of the last one. */
+/* Are the first ${n} of eight bytes the same, 1 to 8? */
+static inline bool same_text(uint64_t a, uint64_t b, unsigned n)
+{
+	return (a ^ b) << (64 - 8 * n) == 0;
+}
+
+/*
+ * corner(), where there is room, of up to 7 digits each; ${lengths} are those of the last one.
+ * Many programs write the same index three times.
+ */
 static inline __attribute__((always_inline)) const char *
 quick_corner(const char *p, size_t vertices, uint32_t *vertex, unsigned lengths[3])
 {
-	uint64_t digit = mp_text8(p) ^ MP_ZEROS8, odd = mp_not_digits8(digit), value;
+	uint64_t text = mp_text8(p), digit = text ^ MP_ZEROS8, odd = mp_not_digits8(digit), value;
+	unsigned n;
 
 	if (odd == 0)
 		return NULL;
@@ -187,9 +197,14 @@ quick_corner(const char *p, size_t vertices, uint32_t *vertex, unsigned lengths[
 	if (value == 0 || value > vertices)
 		return NULL;
 	*vertex = (uint32_t)(value - 1);
-	p += foreseen((unsigned)__builtin_ctzll(odd) >> 3, &lengths[0]);
-	for (int i = 1; i < 3 && *p == '/'; i++)
-		p += 1 + foreseen(digits_at(p + 1), &lengths[i]);
+	n = foreseen((unsigned)__builtin_ctzll(odd) >> 3, &lengths[0]);
+	p += n;
+	if (*p == '/' && same_text(mp_text8(p + 1), text, n + 1) &&
+	    same_text(mp_text8(p + n + 2), text, n))
+		p += 2 * n + 2;
+	else
+		for (int i = 1; i < 3 && *p == '/'; i++)
+			p += 1 + foreseen(digits_at(p + 1), &lengths[i]);
 	return ends_word(*p) ? p : NULL;
 }
 

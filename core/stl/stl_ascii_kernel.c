@@ -183,16 +183,17 @@ INLINE __m256d four(__m256i a, __m256i b, __m256d *far)
 /* Twelve numbers, or false where one is of another form. */
 INLINE bool convert(const char *const at[12], double normal[3], double tri[9])
 {
-	__m256i pair[6], odd = _mm256_setzero_si256();
+	__m256i wrong = _mm256_setzero_si256();
+	__m256i even0 = two(at[0], at[2], &wrong), odd0 = two(at[1], at[3], &wrong);
+	__m256i even1 = two(at[4], at[6], &wrong), odd1 = two(at[5], at[7], &wrong);
+	__m256i even2 = two(at[8], at[10], &wrong), odd2 = two(at[9], at[11], &wrong);
 	__m256d far = _mm256_setzero_pd(), a, b, c;
 
-	for (int i = 0; i < 6; i++)
-		pair[i] = two(at[4 * (i / 2) + i % 2], at[4 * (i / 2) + i % 2 + 2], &odd);
-	if (!_mm256_testz_si256(odd, odd)) /* then the places of the divisors may be anywhere */
+	if (!_mm256_testz_si256(wrong, wrong)) /* then the places of the divisors may be anywhere */
 		return false;
-	a = four(pair[0], pair[1], &far);
-	b = four(pair[2], pair[3], &far);
-	c = four(pair[4], pair[5], &far);
+	a = four(even0, odd0, &far);
+	b = four(even1, odd1, &far);
+	c = four(even2, odd2, &far);
 	_mm_storeu_pd(normal, _mm256_castpd256_pd128(a));
 	_mm_storel_pd(normal + 2, _mm256_extractf128_pd(a, 1));
 	_mm_storeh_pd(tri, _mm256_extractf128_pd(a, 1));

@@ -579,7 +579,8 @@ static void test_lines_in_one_go_are_as_byte_by_byte(void **state)
 /* What looks like such a line up to some byte is refused where it is wrong. */
 static void test_odd_bytes_in_lines_in_one_go(void **state)
 {
-	static const char GOOD[] = V4 "v 10.25 -0.125 3\nf 1/12/1 2//345 3/7/123456 4\nf 1 2 3 4\n";
+	static const char GOOD[] = V4 "v 10.25 -0.125 3\nf 1/12/1 2//345 3/7/123456 4\n"
+				      "f 1/1/1 02/02/02 3/3/33 4/4/4\nf 1 2 3 4\n";
 	static const char ODD[] = "09.-+eE/ \t\nv#\\\r";
 	char text[sizeof GOOD - 1 + 200];
 	size_t len = sizeof GOOD - 1;
