@@ -233,8 +233,9 @@ static void unblock(struct srv_exchange *ex, double now)
 ssize_t srv_exchange_bytes(struct srv_exchange *ex, const uint8_t *bytes, size_t len)
 {
 	double now = srv_now();
-	size_t taken = len;
+	size_t taken = len, told = ex->intake.told;
 
+	ex->intake.told = 0;
 	if (ex->gone || (ex->answered && !discards(ex, now)))
 		return -1;
 	if (ex->received == 0)
@@ -246,7 +247,7 @@ ssize_t srv_exchange_bytes(struct srv_exchange *ex, const uint8_t *bytes, size_t
 	if (ex->queued)
 		return 0;
 	if (ex->worker != NULL) {
-		taken = srv_pool_put(ex, bytes, len);
+		taken = told + srv_pool_put(ex, bytes + told, len - told);
 		ex->front->unwoken = true;
 		if (taken < len)
 			ex->blocked_since = now;

@@ -8,6 +8,7 @@
 
 #include "api/problem.h"
 #include "server/body.h"
+#include "server/intake.h"
 #include "server/segment.h"
 
 /* One request from its head to the end of its answer.  No HTTP library here: http.c calls this. */
@@ -69,6 +70,7 @@ struct srv_exchange {
 	bool distrusted; /* nobody knows where its body ends: it is not read */
 
 	struct srv_body body;
+	struct srv_intake intake;
 	char content_type[SRV_HEADER_MAX], content_encoding[SRV_HEADER_MAX];
 	bool has_content_type, has_content_encoding;
 	uint64_t received;       /* body bytes so far */
@@ -98,8 +100,9 @@ struct srv_exchange *srv_exchange_new(struct srv_front *, const char *uri);
 void srv_exchange_head(struct srv_exchange *, const struct srv_head *head);
 
 /*
- * Body bytes: returns how many were taken (less than ${len}: suspended is wanted until
- * srv_http_resume() is called), or -1 where the connection must be closed.
+ * Body bytes, the first intake.told of which are in the ring already: returns how many were taken
+ * (less than ${len}: suspended is wanted until srv_http_resume() is called), or -1 where the
+ * connection must be closed.
  */
 ssize_t srv_exchange_bytes(struct srv_exchange *, const uint8_t *bytes, size_t len);
 

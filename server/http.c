@@ -185,6 +185,7 @@ static enum MHD_Result on_request(void *cls, struct MHD_Connection *connection, 
 			return MHD_NO;
 		}
 		*len -= (size_t)taken;
+		ex->intake.leftover = *len;
 		return *len > 0 ? suspend(ex) : MHD_YES;
 	}
 	if (!ex->body_ended)
@@ -303,7 +304,8 @@ bool srv_http_drained(const struct srv_exchange *ex)
 {
 	char c;
 
-	return recv(descriptor(ex->connection), &c, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+	return ex->intake.ahead + ex->intake.told == 0 &&
+	       recv(descriptor(ex->connection), &c, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
 }
 
 void srv_http_shut(struct srv_exchange *ex)
@@ -349,6 +351,7 @@ struct srv_http *srv_http_start(struct srv_front *front)
 		free(h);
 		return NULL;
 	}
+	srv_intake_start(&h->clients);
 	return h;
 }
 
@@ -361,6 +364,7 @@ void srv_http_stop(struct srv_http *h)
 	for (int i = 0; i < 4; i++)
 		(void)MHD_run(h->daemon);
 	MHD_stop_daemon(h->daemon);
+	srv_intake_start(NULL);
 	srv_clients_free(&h->clients);
 	free(h);
 }

@@ -273,6 +273,21 @@ size_t srv_pool_put(struct srv_exchange *ex, const uint8_t *bytes, size_t len)
 	return n;
 }
 
+size_t srv_pool_room(const struct srv_exchange *ex, struct iovec room[2])
+{
+	return srv_ring_room(ex->segment, room);
+}
+
+void srv_pool_filled(struct srv_exchange *ex, size_t len)
+{
+	bool wake;
+
+	srv_ring_filled(ex->segment, len, &wake);
+	ex->front->unwoken = true;
+	if (wake)
+		(void)srv_pool_tell(ex->worker, SRV_MSG_WAKE, -1);
+}
+
 void srv_pool_wake(struct srv_exchange *ex)
 {
 	if (srv_ring_wake(ex->segment))

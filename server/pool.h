@@ -91,6 +91,10 @@ void srv_pool_drop(struct srv_pool *, struct srv_exchange *ex);
 /* Body bytes for the worker of ${ex}: how many its ring took. */
 size_t srv_pool_put(struct srv_exchange *ex, const uint8_t *bytes, size_t len);
 
+/* The same for whoever writes into the ring: the room in it; and how much was written there. */
+size_t srv_pool_room(const struct srv_exchange *ex, struct iovec room[2]);
+void srv_pool_filled(struct srv_exchange *ex, size_t len);
+
 /* No more of them are coming at once: its worker may sleep no longer. */
 void srv_pool_wake(struct srv_exchange *ex);
 

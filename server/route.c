@@ -187,6 +187,7 @@ static void take_mesh(struct srv_exchange *ex, const struct srv_head *h, uint64_
 	}
 	ex->streams = api_job_streams(&head);
 	ex->plain = api_job_plain(&head);
+	ex->intake.length = length != API_NONE ? length : 0;
 	if (length != API_NONE && !srv_pool_accepts(&f->pool, length <= SRV_BODY_SMALL)) {
 		ex->small = length <= SRV_BODY_SMALL;
 		refuse(ex, API_QUEUE_FULL, "as many requests are waiting as may wait");

@@ -58,10 +58,28 @@ size_t srv_ring_put(struct srv_segment *s, const uint8_t *bytes, size_t len, boo
 		atomic_store(&s->front_waits, 0);
 	}
 	copy_in(s, head, bytes, n);
-	atomic_store(&s->head, head + n);
-	*wake =
-	    n > 0 && SRV_RING - room(s, head + n) >= SRV_RING / 4 && take_flag(&s->worker_waits);
+	srv_ring_filled(s, n, wake);
 	return n;
+}
+
+size_t srv_ring_room(struct srv_segment *s, struct iovec room_at[2])
+{
+	uint64_t head = atomic_load_explicit(&s->head, memory_order_relaxed);
+	size_t n = room(s, head), at = (size_t)(head & (SRV_RING - 1)), first = SRV_RING - at;
+
+	if (first > n)
+		first = n;
+	room_at[0] = (struct iovec){s->ring + at, first};
+	room_at[1] = (struct iovec){s->ring, n - first};
+	return n;
+}
+
+void srv_ring_filled(struct srv_segment *s, size_t len, bool *wake)
+{
+	uint64_t head = atomic_load_explicit(&s->head, memory_order_relaxed) + len;
+
+	atomic_store(&s->head, head);
+	*wake = len > 0 && SRV_RING - room(s, head) >= SRV_RING / 4 && take_flag(&s->worker_waits);
 }
 
 bool srv_ring_wake(struct srv_segment *s)

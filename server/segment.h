@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/uio.h>
 
 #include "api/job.h"
 
@@ -91,6 +92,13 @@ void srv_ring_reset(struct srv_segment *);
  * a ROOM message will come.
  */
 size_t srv_ring_put(struct srv_segment *, const uint8_t *bytes, size_t len, bool *wake);
+
+/*
+ * Front: the room that there is, in two pieces (the second one may be empty), for others to write
+ * to; then how many bytes have been written there, with ${*wake} as above.
+ */
+size_t srv_ring_room(struct srv_segment *, struct iovec room[2]);
+void srv_ring_filled(struct srv_segment *, size_t len, bool *wake);
 
 /* Front: does the worker sleep over bytes, and must be told? */
 bool srv_ring_wake(struct srv_segment *);
