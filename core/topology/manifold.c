@@ -32,6 +32,8 @@ static uint32_t connect(struct mp_rings *r)
 
 		for (unsigned k = 0; k < 3 && t + AHEAD < mesh->triangles; k++)
 			__builtin_prefetch(&r->label[mesh->tri[t + AHEAD][k]]);
+		for (unsigned k = 0; k < 3 && t + AHEAD / 2 < mesh->triangles; k++)
+			__builtin_prefetch(&r->label[r->label[mesh->tri[t + AHEAD / 2][k]]]);
 		if (!mp_has_edges(v))
 			continue;
 		if (r->label[v[0]] != r->label[v[1]])

@@ -181,30 +181,46 @@ static uint64_t count_links(struct look *l)
 	return most;
 }
 
+static inline struct mp_ring_link link_of(const uint32_t v[3], unsigned k)
+{
+	return (struct mp_ring_link){v[k], v[k == 2 ? 0 : k + 1], v[k == 0 ? 2 : k - 1]};
+}
+
+/* Without a branch for each corner: which of them are wanted is anybody's guess. */
+static void scatter_block(struct look *l, uint32_t begin, uint32_t end, uint32_t low,
+			  uint32_t count, uint64_t *at)
+{
+	const uint32_t(*tri)[3] = l->r->mesh->tri + begin;
+	unsigned shift = (unsigned)__builtin_ctz(l->window);
+	struct mp_ring_link *link = l->link;
+	uint16_t corner[3 * BLOCK + 1];
+	uint32_t n = 0;
+
+	for (uint32_t t = 0; t < end - begin; t++) {
+		bool used = mp_has_edges(tri[t]);
+
+		for (uint32_t k = 0; k < 3; k++) {
+			corner[n] = (uint16_t)(4 * t + k);
+			n += used & ((tri[t][k] >> shift) - low < count);
+		}
+	}
+	for (uint32_t i = 0; i < n; i++) {
+		const uint32_t *v = tri[corner[i] / 4];
+		unsigned k = corner[i] % 4;
+
+		link[at[(v[k] >> shift) - low]++] = link_of(v, k);
+	}
+}
+
 /*
  * The links of windows ${from} .. ${to} - 1, sorted; ${at}: where those of each are to go,
  * afterwards where they end.
  */
 static void scatter(struct look *l, size_t from, size_t to, uint64_t *at)
 {
-	const struct mp_mesh *mesh = l->r->mesh;
-	unsigned shift = (unsigned)__builtin_ctz(l->window);
-	struct mp_ring_link *link = l->link;
-	size_t count = to - from;
-
-	for (uint32_t t = 0; t < mesh->triangles; t++) {
-		const uint32_t *v = mesh->tri[t];
-
-		if (!mp_has_edges(v))
-			continue;
-		for (unsigned k = 0; k < 3; k++) {
-			size_t i = (v[k] >> shift) - from;
-
-			if (i < count)
-				link[at[i]++] =
-				    (struct mp_ring_link){v[k], v[(k + 1) % 3], v[(k + 2) % 3]};
-		}
-	}
+	for (uint32_t t = 0; t < l->r->mesh->triangles; t = end_of_block(l->r, t))
+		scatter_block(l, t, end_of_block(l->r, t), (uint32_t)from, (uint32_t)(to - from),
+			      at);
 }
 
 static int look_at_links(struct look *l, size_t window, uint64_t begin, uint64_t end)
@@ -248,8 +264,8 @@ static int look_far(struct look *l)
 	uint64_t most = count_links(l), room = l->r->room.links;
 	int good = 1;
 
-	if (room < l->r->faces) /* a third of all */
-		room = l->r->faces;
+	if (room < l->r->faces / 2 * 3) /* half of all */
+		room = l->r->faces / 2 * 3;
 	if (room > 3 * l->r->faces)
 		room = 3 * l->r->faces;
 	if (room < most)

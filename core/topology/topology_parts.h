@@ -17,8 +17,8 @@ int mp_degenerate_find(const struct mp_mesh *, uint32_t most, struct mp_topology
  * manifold.c: the short way.  Where every edge is used once in each direction, every vertex has one
  * fan and no triangle repeats another, this fills everything below but euler; else ${*good} is
  * false and nothing is filled; so it may be, too, where most corners are at vertices of more than 8
- * triangles.  4 bytes a vertex, those of a window, 12 for each of ${links} corners, a third of all
- * if that is more, where the triangles are in no order, and 4 a triangle besides.
+ * triangles.  4 bytes a vertex, those of a window, 12 for each of ${links} corners, half of all if
+ * that is more, where the triangles are in no order, and 4 a triangle besides.
  */
 struct mp_manifold_room {
 	uint32_t
