@@ -18,6 +18,7 @@ enum { AHEAD = 40 }; /* links to prefetch for: about the latency of memory */
 struct frame {
 	wide origin, scale; /* by axis */
 	wide ulp, step2;    /* by lane */
+	wide factor[4];     /* by lane: of struct rows, if differences are not scaled */
 	double least;       /* a float below it has the steps of it */
 };
 
@@ -51,6 +52,17 @@ INLINE void find_point(const struct mp_deviation_frame *f, bool floats, size_t v
 	}
 }
 
+/* Products of floats stay within the range of doubles: sums of them are scaled, that is enough. */
+INLINE void set_factors(const struct mp_deviation_frame *f, struct frame *out)
+{
+	const double *s = f->scale;
+	const wide normal = {s[0] * s[1], s[1] * s[2], s[2] * s[0], 0};
+
+	out->factor[0] = normal;
+	for (int k = 0; k < 3; k++)
+		out->factor[1 + k] = normal * s[k];
+}
+
 INLINE void set_frame(const struct mp_deviation_frame *f, bool floats, struct frame *out)
 {
 	const double unit = floats ? 1 : 0.5; /* of points */
@@ -61,6 +73,7 @@ INLINE void set_frame(const struct mp_deviation_frame *f, bool floats, struct fr
 	load(f->step, 1, &out->step2);
 	out->step2 *= out->step2;
 	out->least = 0x1p-126 * unit;
+	set_factors(f, out);
 }
 
 INLINE void add_link(const struct mp_deviation_frame *f, bool floats, uint64_t link,
@@ -70,8 +83,12 @@ INLINE void add_link(const struct mp_deviation_frame *f, bool floats, uint64_t l
 
 	find_point(f, floats, link >> 32, &a);
 	find_point(f, floats, (uint32_t)link, &b);
-	a = (a - own->at) * frame->scale;
-	b = (b - own->at) * frame->scale;
+	a -= own->at;
+	b -= own->at;
+	if (!floats) {
+		a *= frame->scale;
+		b *= frame->scale;
+	}
 	n = a * LANES(b, 1, 2, 0, 3) - LANES(a, 1, 2, 0, 3) * b; /* z, x, y */
 	s = a + b + own->four;
 	sum->v += n;
@@ -92,6 +109,14 @@ INLINE void find_steps(const struct frame *f, const wide *at, wide *out)
 	const wide h = (wide)((small & (bits)least) | (~small & (bits)power)) * f->ulp;
 
 	*out = h * h + f->step2;
+}
+
+INLINE void scale_rows(const struct frame *f, struct rows *r)
+{
+	r->v *= f->factor[0];
+	r->x *= f->factor[1];
+	r->y *= f->factor[2];
+	r->z *= f->factor[3];
 }
 
 INLINE void turn(const struct mp_deviation_frame *f, struct rows *r)
@@ -135,13 +160,17 @@ INLINE void add_all(struct mp_deviation_sums *sums, const struct mp_deviation_fr
 		wide h2;
 
 		find_point(&f, floats, links->first + i, &own.at);
-		own.four = (own.at - frame.origin) * frame.scale * 4;
+		own.four = (own.at - frame.origin) * 4;
+		if (!floats)
+			own.four *= frame.scale;
 		end += row[i + 1] - row[i];
 		for (const ptrdiff_t ahead = last - end < AHEAD ? 0 : AHEAD; link < end; link++) {
 			if (floats)
 				__builtin_prefetch(f.narrow + 3 * (size_t)(link[ahead] >> 32));
 			add_link(&f, floats, *link, &frame, &own, &r);
 		}
+		if (floats)
+			scale_rows(&frame, &r);
 		if (f.turned)
 			turn(&f, &r);
 		find_steps(&frame, &own.at, &h2);
