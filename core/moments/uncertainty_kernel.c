@@ -154,6 +154,8 @@ INLINE void add_all(struct mp_deviation_sums *sums, const struct mp_deviation_fr
 	_Static_assert(sizeof *sums == sizeof out, "vv, vm and mm are rows of out");
 	memcpy(out, sums, sizeof out);
 	set_frame(&f, floats, &frame);
+	for (ptrdiff_t i = 0; floats && i < AHEAD && i < last - link; i++)
+		__builtin_prefetch(f.narrow + 3 * (size_t)(link[i] >> 32));
 	for (uint32_t i = 0; i < links->count; i++) {
 		struct rows r = {{0}, {0}, {0}, {0}};
 		struct vertex own;

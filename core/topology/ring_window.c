@@ -130,6 +130,7 @@ static int look_far(struct mp_ring_window *w, uint32_t *label)
 	return look_at_each(w, w->key + room, label);
 }
 
+/* The ${count} vertices before ${end}. */
 static void show(const struct mp_ring_window *w, uint32_t end, uint32_t count)
 {
 	struct mp_ring_show *s = w->show;
@@ -139,38 +140,54 @@ static void show(const struct mp_ring_window *w, uint32_t end, uint32_t count)
 				 &(struct mp_links){w->low + end - count, count, s->row, s->link});
 }
 
-/* Vertex ${i}, whose links have no room in its line, from ${key} on; returns how many of them. */
-static size_t show_far(const struct mp_ring_window *w, uint32_t i, size_t key)
+/* Vertex ${i}, the ${n} links of which no show has room for; ${key}: where its far ones begin. */
+static void show_alone(const struct mp_ring_window *w, uint32_t i, size_t key, size_t n)
 {
-	size_t n = end_of(w->key, key, w->fars) - key;
 	uint64_t *link = w->key + w->fars + MP_RING_LINE;
-	const uint32_t row[2] = {0, (uint32_t)(MP_RING_LINE + n)};
+	const uint32_t row[2] = {0, (uint32_t)n};
 
-	collect(w, w->key + key, n, link);
+	collect(w, w->key + key, n - MP_RING_LINE, link);
 	w->watcher->take(w->watcher->self, &(struct mp_links){w->low + i, 1, row, link});
-	return n;
+}
+
+/* Behind the ${count} vertices that are in the show already. */
+static void add_to_show(const struct mp_ring_window *w, uint32_t i, size_t key, size_t n,
+			uint32_t count)
+{
+	struct mp_ring_show *s = w->show;
+	uint64_t *link = s->link + s->row[count];
+
+	if (n > MP_RING_LINE)
+		collect(w, w->key + key, n - MP_RING_LINE, link);
+	else /* the whole line, of which the next one takes what is too much */
+		memcpy(link, w->line[i].link, sizeof w->line->link);
+	s->row[count + 1] = s->row[count] + (uint32_t)n;
 }
 
 static void show_all(const struct mp_ring_window *w)
 {
+	enum { ROOM = MP_RING_SHOWN * MP_RING_LINE };
 	struct mp_ring_show *s = w->show;
 	uint32_t count = 0;
 	size_t key = 0;
 
 	s->row[0] = 0;
 	for (uint32_t i = 0; i < w->count; i++) {
-		if (count == MP_RING_SHOWN || w->links[i] > MP_RING_LINE) {
+		size_t n = w->links[i], next = key;
+
+		if (n > MP_RING_LINE) {
+			next = end_of(w->key, key, w->fars);
+			n = MP_RING_LINE + next - key;
+		}
+		if (count == MP_RING_SHOWN || s->row[count] + n + MP_RING_LINE > ROOM) {
 			show(w, i, count);
 			count = 0;
 		}
-		if (w->links[i] > MP_RING_LINE) {
-			key += show_far(w, i, key);
-			continue;
-		}
-		/* whole lines, of which the next one takes what is too much */
-		memcpy(s->link + s->row[count], w->line[i].link, sizeof w->line->link);
-		s->row[count + 1] = s->row[count] + w->links[i];
-		count++;
+		if (n + MP_RING_LINE > ROOM)
+			show_alone(w, i, key, n);
+		else
+			add_to_show(w, i, key, n, count++);
+		key = next;
 	}
 	show(w, w->count, count);
 }

@@ -10,11 +10,11 @@ struct mp_ring_link {
 	uint32_t vertex, leaves, comes; /* see ring_kernel.h */
 };
 
-/* What is shown at a time: vertices whose links have room in their lines. */
+/* What is shown at a time, unless one vertex alone has more links. */
 enum { MP_RING_SHOWN = 512 };
 struct mp_ring_show {
 	uint32_t row[MP_RING_SHOWN + 1];
-	uint64_t link[(MP_RING_SHOWN + 1) * MP_RING_LINE];
+	uint64_t link[MP_RING_SHOWN * MP_RING_LINE];
 };
 
 struct mp_ring_window { /* all 0 before init() */

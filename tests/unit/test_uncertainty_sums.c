@@ -294,8 +294,10 @@ static void watching_the_topology_changes_no_bit(void **unused)
 		struct indexed s;
 
 		mesh_random(&random, &seed);
-		if (i == 0) /* several blocks */
+		if (i == 0) /* several blocks, some vertices with more links than others */
 			mesh_sphere(&random.mesh, 1, 100, 60);
+		if (i == 1) /* than a block */
+			mesh_sphere(&random.mesh, 1, 5000, 3);
 		take(&s, &random.mesh);
 		r = describe(&s, &random.mesh);
 		assert_int_equal(mp_uncertainty_find(&r, &one, NULL), 0);
