@@ -181,6 +181,8 @@ static bool read_mail(struct srv_worker *w)
 		}
 		if (byte == SRV_MSG_ROOM && w->posts > 0 && w->post[0].exchange != NULL)
 			srv_http_resume(w->post[0].exchange);
+		if (byte == SRV_MSG_DONE) /* the last word of most */
+			break;
 	}
 	return true;
 }
