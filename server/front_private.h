@@ -30,6 +30,7 @@ struct srv_front {
 	double drain_began;
 	bool stop;
 	bool unwoken; /* some worker may sleep over bytes of its body */
+	bool unsaid;  /* some ring has bytes that the library has not heard of */
 	unsigned unwoken_rounds;
 	unsigned fruitless; /* rounds in a row without an event or a step of a request */
 	char *capabilities;

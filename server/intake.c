@@ -11,10 +11,13 @@
 
 #include "server/clients.h"
 #include "server/exchange.h"
+#include "server/front_private.h"
 #include "server/pool.h"
 
 /* The end of a body, which may have the next request behind it, is left to the library. */
 enum { LAST = 256 << 10 };
+
+enum { MOST = SRV_RING / 2 }; /* bytes at a time, for others want to be served, too */
 
 static struct srv_clients *clients;
 
@@ -37,6 +40,8 @@ static size_t wanted(const struct srv_exchange *ex, size_t len, struct iovec roo
 	    known + LAST >= in->length)
 		return 0;
 	n = srv_pool_room(ex, room);
+	if (n > MOST)
+		n = MOST;
 	if (n > in->length - LAST - known)
 		n = (size_t)(in->length - LAST - known);
 	return n - n % len;
@@ -62,12 +67,14 @@ static ssize_t fill(struct srv_exchange *ex, int fd, struct iovec room[2], size_
 	return got;
 }
 
-static size_t tell(struct srv_intake *in, size_t len)
+static size_t tell(struct srv_exchange *ex, size_t len)
 {
+	struct srv_intake *in = &ex->intake;
 	size_t n = in->ahead < len ? in->ahead : len;
 
 	in->ahead -= n;
 	in->told += n;
+	ex->front->unsaid = ex->front->unsaid || in->ahead > 0;
 	return n;
 }
 
@@ -83,13 +90,13 @@ ssize_t srv_intake_read(struct srv_exchange *ex, int fd, uint8_t *bytes, size_t 
 	size_t n;
 
 	if (in->ahead >= len)
-		return (ssize_t)tell(in, len);
+		return (ssize_t)tell(ex, len);
 	n = wanted(ex, len, room);
 	if (n > 0) {
 		got = fill(ex, fd, room, n);
-		return got > 0 || in->ahead > 0 ? (ssize_t)tell(in, len) : got;
+		return got > 0 || in->ahead > 0 ? (ssize_t)tell(ex, len) : got;
 	}
-	n = tell(in, len);
+	n = tell(ex, len);
 	got = recvfrom(fd, bytes + n, len - n, 0, NULL, NULL);
 	return got > 0 || n == 0 ? (ssize_t)n + got : (ssize_t)n;
 }
