@@ -95,10 +95,10 @@ static int resize_xyz(struct mp_vertices *v, uint64_t room, bool wide, struct mp
 	if (room > SIZE_MAX / each - 1)
 		return mp_fail_nomem(err);
 	bytes = (size_t)(room * each) + sizeof(double); /* one behind: vertices.h */
-	p = mp_huge(realloc(v->xyz, bytes), bytes);
+	p = realloc(v->xyz, bytes);
 	if (p == NULL)
 		return mp_fail_nomem(err);
-	v->xyz = p;
+	v->xyz = mp_huge(p, bytes);
 	v->room = room;
 	return 0;
 }
@@ -254,20 +254,32 @@ struct source {
 	const float (*xyz)[MP_BLOCK];
 };
 
+/* ${n} triangles from ${at} on. */
+static void load_block(const float (*xyz)[MP_BLOCK], size_t at, unsigned n, bool wide,
+		       struct batch *b)
+{
+	if (!wide) {
+		load_columns(xyz, at, n, b->key.narrow[0]);
+	} else {
+		float narrow[3 * CORNERS] = {0};
+
+		load_columns(xyz, at, n, narrow);
+		for (unsigned i = 0; i < 9 * n; i++)
+			b->key.wide[i / 3][i % 3] = bits_of((double)narrow[i]);
+	}
+}
+
 /* ${n} corners from ${done} on. */
 static int load(struct mp_vertices *v, const struct source *from, size_t done, unsigned n,
 		struct batch *b, struct mp_error *err)
 {
-	const double *x = from->point == NULL ? NULL : from->point[done];
+	const double *x;
 
-	if (x == NULL) {
-		float narrow[3 * CORNERS];
-
-		load_columns(from->xyz, done / 3, n / 3, v->wide ? narrow : b->key.narrow[0]);
-		for (unsigned i = 0; v->wide && i < 3 * n; i++)
-			b->key.wide[i / 3][i % 3] = bits_of((double)narrow[i]);
+	if (from->xyz != NULL) {
+		load_block(from->xyz, done / 3, n / 3, v->wide, b);
 		return 0;
 	}
+	x = from->point[done];
 	if (!v->wide && load_narrow(x, 3 * n, b->key.narrow[0]) && widen(v, err))
 		return -1;
 	if (v->wide)
