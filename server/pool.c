@@ -90,6 +90,7 @@ void srv_pool_add(struct srv_pool *p, unsigned slot, pid_t pid, int sock, int pi
 	w->pid = pid;
 	w->state = SRV_IDLE;
 	w->posted = w->heard = 0;
+	w->cost = 0;
 	srv_desk_reset(w->desk);
 	if (srv_pool_tell(w, SRV_MSG_BEGIN, -1) != 0)
 		srv_pool_bury(p, w);
@@ -162,10 +163,13 @@ static bool hears(const struct srv_worker *w)
 	return w->state == SRV_BUSY || w->state == SRV_IDLE;
 }
 
-/* Read what it has to say.  False: its end of the socket is closed. */
+/*
+ * Read what it has to say.  False: its end of the socket is closed.  A file ends it: the next one
+ * is of another answer, and stays where it is until this one has been taken.
+ */
 static bool read_mail(struct srv_worker *w)
 {
-	for (int i = 0; i < MESSAGES; i++) {
+	for (int i = 0; i < MESSAGES && w->file < 0; i++) {
 		int fd = -1;
 		size_t fds = 1;
 		char byte;
@@ -175,10 +179,8 @@ static bool read_mail(struct srv_worker *w)
 			continue;
 		if (n <= 0)
 			return n != 0;
-		if (fds > 0) {
-			drop_file(w);
+		if (fds > 0)
 			w->file = fd;
-		}
 		if (byte == SRV_MSG_ROOM && w->posts > 0 && w->post[0].exchange != NULL)
 			srv_http_resume(w->post[0].exchange);
 		if (byte == SRV_MSG_DONE) /* the last word of most */
@@ -206,12 +208,13 @@ static void answered(struct srv_pool *p, struct srv_worker *w)
 	struct srv_segment *s = &w->desk->berth[w->post[0].berth];
 	struct srv_exchange *ex = w->post[0].exchange;
 	double now = srv_now();
-	int fd;
+	int fd = -1;
 
-	if (s->result.len > SRV_ANSWER && w->file < 0)
+	if (s->result.len > SRV_ANSWER) { /* else the file is of one behind it */
 		(void)read_mail(w);
-	fd = w->file;
-	w->file = -1;
+		fd = w->file;
+		w->file = -1;
+	}
 	step(w, now);
 	if (s->result.retire != 0) { /* its last one, whatever else it was given */
 		srv_pool_take_back(p, w, 0, true);

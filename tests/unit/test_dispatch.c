@@ -5,10 +5,12 @@
 
 #include <cmocka.h>
 
+#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
@@ -317,6 +319,78 @@ static void a_worker_that_did_what_it_was_not_given_is_ended(void **state)
 	assert_int_equal(s->ex[0]->reply.code, API_INTERNAL); /* there was no answer */
 }
 
+/* A large answer: a sealed file of ${len} bytes, all of them ${letter}. */
+static void work_large(struct scene *s, unsigned i, uint32_t n, char letter, size_t len)
+{
+	struct srv_segment *job = srv_desk_job(s->desk[i], n);
+	int fd = memfd_create("answer", MFD_ALLOW_SEALING);
+	char *bytes = malloc(len);
+
+	assert_non_null(job);
+	assert_non_null(bytes);
+	memset(bytes, letter, len);
+	assert_int_equal(write(fd, bytes, len), (ssize_t)len);
+	free(bytes);
+	assert_int_equal(fcntl(fd, F_ADD_SEALS, SRV_ANSWER_SEALS), 0);
+	assert_true(srv_desk_begin(job));
+	put_answer(job);
+	job->result.len = len;
+	assert_int_equal(srv_channel_send(s->worker[i], "F", 1, &fd, 1), 0);
+	close(fd);
+	srv_desk_done(s->desk[i], n + 1);
+}
+
+static char first_byte(struct srv_exchange *ex)
+{
+	char c = 0;
+
+	assert_int_equal(pread(ex->reply.fd, &c, 1, 0), 1);
+	close(ex->reply.fd);
+	return c;
+}
+
+/* The front may hear late, of several files at once, and of small answers between them. */
+static void each_has_its_own_file(void **state)
+{
+	struct scene *s = *state;
+	const size_t len = SRV_ANSWER + 1;
+	struct srv_exchange *ex[5];
+
+	start_worker(s, LANE);
+	for (int i = 0; i < 5; i++)
+		ex[i] = ask(s, (char)('a' + i), 100);
+	work(s, LANE, 0);
+	work_large(s, LANE, 1, 'b', len);
+	work(s, LANE, 2);
+	work_large(s, LANE, 3, 'd', len);
+	work_large(s, LANE, 4, 'e', len);
+	srv_pool_hear(&s->front.pool, LANE);
+	for (int i = 0; i < 5; i++) {
+		assert_int_equal(ex[i]->reply.status, 200);
+		assert_int_equal(i == 0 || i == 2 ? ex[i]->reply.body[0] : first_byte(ex[i]),
+				 'a' + i);
+	}
+	assert_int_equal(s->front.pool.worker[LANE].file, -1);
+}
+
+/* What a worker still had when it ended is nothing that its successor has to do. */
+static void a_successor_begins_with_an_empty_line(void **state)
+{
+	struct scene *s = *state;
+
+	for (int life = 0; life < 3; life++) {
+		start_worker(s, LANE);
+		(void)ask(s, 'x', 100);
+		srv_pool_gone(&s->front.pool, LANE, 100 + LANE, SIGSEGV);
+		close(s->worker[LANE]);
+	}
+	for (unsigned i = 0; i < SLOTS; i++)
+		start_worker(s, i);
+	for (int i = 0; i < 3; i++)
+		(void)ask(s, 's', 100);
+	assert_int_equal(on(s, LANE), 3);
+}
+
 static void who_is_dead_already_costs_nothing(void **state)
 {
 	struct scene *s = *state;
@@ -347,6 +421,8 @@ int main(void)
 	    TEST(a_client_that_leaves_harms_nobody),
 	    TEST(large_work_is_not_held_up_by_small),
 	    TEST(a_worker_that_did_what_it_was_not_given_is_ended),
+	    TEST(each_has_its_own_file),
+	    TEST(a_successor_begins_with_an_empty_line),
 	    TEST(who_is_dead_already_costs_nothing),
 	};
 
