@@ -236,20 +236,20 @@ void srv_pool_collect(struct srv_pool *p, struct srv_worker *w)
 {
 	while (w->state == SRV_BUSY && atomic_load(&w->desk->done) != w->heard)
 		answered(p, w);
-	if (w->state == SRV_IDLE && atomic_load(&w->desk->done) != w->heard)
+	if (w->state == SRV_IDLE && (w->file >= 0 || atomic_load(&w->desk->done) != w->heard))
 		srv_pool_bury(p, w); /* it says that it did what it was not given */
 }
 
 void srv_pool_hear(struct srv_pool *p, unsigned slot)
 {
 	struct srv_worker *w = &p->worker[slot];
-	bool there = true;
+	bool there = true, held = w->file >= 0; /* more mail: its job is over */
 
 	if (hears(w)) {
 		there = read_mail(w);
 		srv_pool_collect(p, w);
 	}
-	if (!there && hears(w))
+	if (hears(w) && (!there || (held && w->file >= 0)))
 		srv_pool_bury(p, w);
 	srv_pool_dispatch(p);
 }

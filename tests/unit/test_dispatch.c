@@ -373,6 +373,34 @@ static void each_has_its_own_file(void **state)
 	assert_int_equal(s->front.pool.worker[LANE].file, -1);
 }
 
+static void send_file(struct scene *s, unsigned i)
+{
+	int fd = memfd_create("answer", MFD_ALLOW_SEALING);
+
+	assert_int_equal(srv_channel_send(s->worker[i], "F", 1, &fd, 1), 0);
+	close(fd);
+	srv_pool_hear(&s->front.pool, i);
+}
+
+/* Mail that stays unread would wake the front for ever. */
+static void a_file_without_an_answer_ends_its_worker(void **state)
+{
+	struct scene *s = *state;
+
+	start_worker(s, 0);
+	send_file(s, 0);
+	assert_true(s->front.pool.worker[0].ended);
+	start_worker(s, 1);
+	(void)ask(s, 'a', 100);
+	send_file(s, 1);
+	assert_false(s->front.pool.worker[1].ended);
+	send_file(s, 1);
+	assert_true(s->front.pool.worker[1].ended);
+	for (unsigned i = 0; i < 2; i++)
+		srv_pool_gone(&s->front.pool, i, (pid_t)(100 + i), SIGKILL);
+	assert_int_equal(s->ex[0]->reply.code, API_WORKER_LOST);
+}
+
 /* What a worker still had when it ended is nothing that its successor has to do. */
 static void a_successor_begins_with_an_empty_line(void **state)
 {
@@ -422,6 +450,7 @@ int main(void)
 	    TEST(large_work_is_not_held_up_by_small),
 	    TEST(a_worker_that_did_what_it_was_not_given_is_ended),
 	    TEST(each_has_its_own_file),
+	    TEST(a_file_without_an_answer_ends_its_worker),
 	    TEST(a_successor_begins_with_an_empty_line),
 	    TEST(who_is_dead_already_costs_nothing),
 	};
