@@ -164,10 +164,10 @@ static bool hears(const struct srv_worker *w)
 }
 
 /*
- * Read what it has to say.  False: its end of the socket is closed.  A file ends it: the next one
- * is of another answer, and stays where it is until this one has been taken.
+ * Read what it has to say, with ${file} up to the next file.  False: its end of the socket is
+ * closed.  A second file stays there until the first one is taken: it is another answer's.
  */
-static bool read_mail(struct srv_worker *w)
+static bool read_mail(struct srv_worker *w, bool file)
 {
 	for (int i = 0; i < MESSAGES && w->file < 0; i++) {
 		int fd = -1;
@@ -183,7 +183,7 @@ static bool read_mail(struct srv_worker *w)
 			w->file = fd;
 		if (byte == SRV_MSG_ROOM && w->posts > 0 && w->post[0].exchange != NULL)
 			srv_http_resume(w->post[0].exchange);
-		if (byte == SRV_MSG_DONE) /* the last word of most */
+		if (byte == SRV_MSG_DONE && !file) /* the last word of most */
 			break;
 	}
 	return true;
@@ -211,7 +211,7 @@ static void answered(struct srv_pool *p, struct srv_worker *w)
 	int fd = -1;
 
 	if (s->result.len > SRV_ANSWER) { /* else the file is of one behind it */
-		(void)read_mail(w);
+		(void)read_mail(w, true);
 		fd = w->file;
 		w->file = -1;
 	}
@@ -246,7 +246,7 @@ void srv_pool_hear(struct srv_pool *p, unsigned slot)
 	bool there = true, held = w->file >= 0; /* more mail: its job is over */
 
 	if (hears(w)) {
-		there = read_mail(w);
+		there = read_mail(w, false);
 		srv_pool_collect(p, w);
 	}
 	if (hears(w) && (!there || (held && w->file >= 0)))
@@ -389,7 +389,6 @@ void srv_pool_tick(struct srv_pool *p, double now)
 {
 	for (unsigned i = 0; i < p->workers; i++) {
 		struct srv_worker *w = &p->worker[i];
-
 		bool unwanted = w->state == SRV_BUSY && w->post[0].exchange == NULL;
 
 		if ((unwanted || w->state == SRV_LEAVING) && now - w->since > grace_s)
