@@ -268,7 +268,7 @@ static void find_mesh(struct work *w)
 				   .flat = w->flat,
 				   .watcher = &keeper};
 	w->row = malloc(((size_t)mp_vertices_count(w->vertices) + 1) * sizeof *w->row);
-	w->link = malloc(3 * w->count * sizeof *w->link);
+	w->link = malloc((3 * w->count + 1) * sizeof *w->link);
 	if (w->row == NULL || w->link == NULL)
 		die("no memory");
 	run_topology(w);
