@@ -248,6 +248,18 @@ static void add_with(const struct mp_deviation_kernel *kernel, struct mp_uncerta
 	assert_int_equal(mp_uncertainty_end(state, r, out, NULL), 0);
 }
 
+/* All but the last of each four, which mean nothing. */
+static void assert_same_sums(const struct mp_deviation_sums *a, const struct mp_deviation_sums *b)
+{
+	enum { ROWS = 1 + 2 * MP_DEVIATION_ROWS };
+	double x[ROWS][MP_DEVIATION_LANES], y[ROWS][MP_DEVIATION_LANES];
+
+	memcpy(x, a, sizeof x);
+	memcpy(y, b, sizeof y);
+	for (int row = 0; row < ROWS; row++)
+		assert_memory_equal(x[row], y[row], 3 * sizeof x[row][0]);
+}
+
 static void all_kernels_give_the_same_bits(void **unused)
 {
 	uint64_t state = 8;
@@ -266,11 +278,7 @@ static void all_kernels_give_the_same_bits(void **unused)
 		add_with(mp_deviation_kernel_get(0), &plain, &r, &d);
 		for (size_t k = 1; k < mp_deviation_kernel_count(); k++) {
 			add_with(mp_deviation_kernel_get(k), &other, &r, &d);
-			for (int lane = 0; lane < 3; lane++)
-				for (int row = 0; row < 7; row++)
-					assert_memory_equal(&plain.sums.vv[4 * row + lane],
-							    &other.sums.vv[4 * row + lane],
-							    sizeof(double));
+			assert_same_sums(&plain.sums, &other.sums);
 		}
 		drop(&s);
 		mesh_free(&random.mesh);
