@@ -130,6 +130,40 @@ def test_line_behind_a_stopped_worker(d):
           [str(c.answer) for c in calls])
 
 
+def test_large_answers_of_a_line():
+    """The front hears late of several answers, each of which lies in a file, at one length."""
+    sides, answers = range(1, 9), {}
+
+    def square(side):
+        corners = f"v 0 0 0\nv {side} 0 0\nv {side} {side} 0\nv 0 {side} 0\n"
+        answers[side] = ask(d.port, request("POST", "/v1/mesh?unit=mm", ["Content-Type: model/obj"],
+                                            (corners + "f 1 2 3 4\n" * 3000).encode()), 60)
+
+    def own(side, a):
+        facet = struct.unpack("<9f", a.body[96:132]) if a and a.status == 200 else ()
+        return set(facet) == {0.0, float(side)}
+
+    with Daemon("--workers", "1") as d:
+        polls, crew = front(d.pid), workers(d.pid)
+        kill(*crew, sig=signal.SIGSTOP)
+        threads = [threading.Thread(target=square, args=(s,)) for s in sides]
+        kill(polls, sig=signal.SIGSTOP)
+        for t in threads:
+            t.start()
+        time.sleep(0.2)
+        kill(polls, sig=signal.SIGCONT)
+        time.sleep(0.004)  # enough to hand them out, less than a turn
+        kill(polls, sig=signal.SIGSTOP)
+        before = [cpu(p) for p in crew]
+        kill(*crew, sig=signal.SIGCONT)
+        until(lambda: all(cpu(p) >= b + 15 for p, b in zip(crew, before)), 3)
+        kill(polls, sig=signal.SIGCONT)
+        for t in threads:
+            t.join()
+        check("each has its own answer", all(own(s, answers[s]) for s in sides),
+              [str(answers[s])[:200] for s in sides if not own(s, answers[s])])
+
+
 def test_kill_idle(d):
     crew = workers(d.pid)
     kill(*crew)
@@ -318,6 +352,7 @@ with Daemon("--workers", "2") as daemon:
     test_clients_that_leave(daemon)
     test_half_closed(daemon)
     test_kill_front(daemon)
+test_large_answers_of_a_line()
 test_deadline()
 test_drain()
 finish()
