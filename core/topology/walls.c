@@ -74,9 +74,11 @@ static uint64_t count_double(struct walls *w, const uint64_t *paired)
 
 		last = mp_edges_end(e, i);
 		count = join_paired(w, paired, i, last, &one);
+		if (count == 0) /* then there is no ${one} */
+			continue;
 		if (last - i == count + 1 || (count == 2 && last - i == 2))
 			w->flag[one] |= FREE;
-		if (count > 0 && last - i > count)
+		if (last - i > count)
 			w->flag[one] |= ATTACHED;
 	}
 	for (uint32_t t = 0; t < w->mesh->triangles; t++)

@@ -323,6 +323,26 @@ static void walls_are_counted_whatever_the_order(void **unused)
 	}
 }
 
+/* A rim of the mesh elsewhere, whichever triangle comes first. */
+static void a_hole_elsewhere_hides_no_double_wall(void **unused)
+{
+	const double a[3] = {100, 0, 0}, b[3] = {101, 0, 0}, c[3] = {100, 1, 0};
+	uint64_t state = 13;
+
+	(void)unused;
+	for (int round = 0; round < 100; round++) {
+		struct found f = {0};
+
+		row_of_boxes(&f.soup, 3, 2);
+		soup_add(&f.soup, a, b, c);
+		soup_shuffle(&f.soup, &state);
+		found_look(&f, 100);
+		assert_int_equal(f.t.boundary_edges, 3);
+		assert_int_equal(f.t.double_walls, 2);
+		found_free(&f);
+	}
+}
+
 /* Walls that meet in a line are one; a wall with a hole in it is none, nor is one over a hole. */
 static void what_is_no_wall(void **unused)
 {
@@ -417,6 +437,7 @@ int main(void)
 	    cmocka_unit_test(extremes_are_left_out_not_made_up),
 	    cmocka_unit_test(as_many_loops_as_are_listed_are_measured),
 	    cmocka_unit_test(walls_are_counted_whatever_the_order),
+	    cmocka_unit_test(a_hole_elsewhere_hides_no_double_wall),
 	    cmocka_unit_test(what_is_no_wall),
 	    cmocka_unit_test(every_allocation_may_fail),
 	};
