@@ -233,7 +233,7 @@ static void unblock(struct srv_exchange *ex, double now)
 ssize_t srv_exchange_bytes(struct srv_exchange *ex, const uint8_t *bytes, size_t len)
 {
 	double now = srv_now();
-	size_t taken = len, told = ex->intake.told;
+	size_t taken = len, told = ex->intake.told < len ? ex->intake.told : len;
 
 	ex->intake.told = 0;
 	if (ex->gone || (ex->answered && !discards(ex, now)))
