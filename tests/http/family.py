@@ -55,15 +55,21 @@ def descriptors(pid):
 
 
 def memory(pid):
-    """Bytes of the master and its children, shared pages in proportion."""
-    total = 0
+    """Bytes of the master and its children: pages, shared ones in proportion, and what lies in
+    anonymous files, which no process has mapped."""
+    total, files = 0, {}
     for p in [pid, *children(pid)]:
         try:
             with open(f"/proc/{p}/smaps_rollup", encoding="ascii") as f:
                 total += 1024 * int(re.search(r"^Pss: +(\d+)", f.read(), re.M)[1])
-        except (OSError, TypeError):  # it has just ended
+            for fd in os.listdir(f"/proc/{p}/fd"):
+                path = f"/proc/{p}/fd/{fd}"
+                if os.readlink(path).startswith("/memfd:"):
+                    held = os.stat(path)
+                    files[held.st_ino] = 512 * held.st_blocks
+        except (OSError, TypeError):  # it has just ended, or closed it
             pass
-    return total
+    return total + sum(files.values())
 
 
 def front(master):

@@ -47,9 +47,9 @@ def test_ten_times_too_much():
         def client():
             with Wire(d.port, 120) as w:
                 w.send(post(b"", length=len(body)))
-                for at in range(0, len(body), 1 << 20):
-                    time.sleep(0.05)
-                    if not w.send(body[at:at + (1 << 20)]):
+                for at in range(0, len(body), 1 << 18):
+                    time.sleep(0.06)
+                    if not w.send(body[at:at + (1 << 18)]):
                         break
                 answers.append(w.one())
 
@@ -67,7 +67,10 @@ def test_ten_times_too_much():
         check("with Retry-After", not faults and all(
             1 <= int(a.headers["retry-after"]) <= 60 for a in answers if a and a.status == 429),
             faults)
-        check("within the budget", watch.most - idle < 256 * MB, f"{(watch.most - idle) // MB} MB")
+        check("they are collected meanwhile", watch.most - idle > 48 * MB,
+              f"{(watch.most - idle) // MB} MB")
+        check("within the budget", SANITIZED or watch.most - idle < 256 * MB,
+              f"{(watch.most - idle) // MB} MB")
         check("and the budget is given back", until(
             lambda: b"waiting bodies: 0 of" in d.get("/readyz?verbose").body, 10))
         print(f"# {statuses.count(200)} of 40 served, {(watch.most - idle) // MB} MB at most")
