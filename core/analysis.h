@@ -3,6 +3,7 @@
 
 #include "core/decoder.h"
 #include "core/report/report.h"
+#include "core/second.h"
 
 /* The coordinator: bytes of one file in, report out. */
 
@@ -64,6 +65,8 @@ struct mp_request {
 	double about[3];
 	double axis_origin[3], axis_direction[3]; /* direction: any length > 0 */
 	uint32_t bodies, defects;                 /* how many to list (defects: of each kind) */
+	/* NULL, or who shares the work of large meshes; the caller's, until mp_analysis_free() */
+	const struct mp_second *second;
 };
 
 struct mp_analysis;

@@ -215,7 +215,8 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 				     .tri = (const uint32_t(*)[3])r->tri,
 				     .triangles = r->triangles,
 				     .flat = r->repaired ? NULL : a->flat,
-				     .map = r->mapped ? &r->map : NULL};
+				     .map = r->mapped ? &r->map : NULL,
+				     .second = request->second};
 	struct mp_density density;
 	struct mp_uncertainty_state rounded;
 	struct mp_solid whole, stored; /* stored: in the file's frame, as box */

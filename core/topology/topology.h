@@ -7,6 +7,7 @@
 
 #include "core/decoder.h"
 #include "core/error.h"
+#include "core/second.h"
 #include "core/topology/vertices.h"
 
 struct mp_affine;
@@ -43,6 +44,7 @@ struct mp_mesh {
 	 * used once each way and every vertex has one fan, else maybe of some.
 	 */
 	const struct mp_links_sink *watcher;
+	const struct mp_second *second; /* NULL, or who shares the work */
 };
 
 /*
