@@ -28,10 +28,15 @@ bool srv_desk_must_tell_worker(struct srv_desk *d)
 	return take_flag(&d->worker_sleeps);
 }
 
+bool srv_desk_is_at(const struct srv_desk *d, uint32_t heard)
+{
+	return atomic_load(&d->done) == heard;
+}
+
 bool srv_desk_front_sleeps(struct srv_desk *d, uint32_t heard)
 {
 	atomic_store(&d->front_sleeps, 1);
-	return atomic_load(&d->done) == heard;
+	return srv_desk_is_at(d, heard);
 }
 
 void srv_desk_front_woke(struct srv_desk *d)

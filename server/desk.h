@@ -34,6 +34,9 @@ void srv_desk_post(struct srv_desk *, uint32_t n, unsigned berth);
 /* Front: does the worker sleep, so that it must be told of what was posted? */
 bool srv_desk_must_tell_worker(struct srv_desk *);
 
+/* Front: are exactly ${heard} jobs over? */
+bool srv_desk_is_at(const struct srv_desk *, uint32_t heard);
+
 /* Front: about to sleep; false where more than ${heard} jobs are over. */
 bool srv_desk_front_sleeps(struct srv_desk *, uint32_t heard);
 void srv_desk_front_woke(struct srv_desk *);

@@ -143,15 +143,21 @@ static void add_post(struct srv_worker *w, struct srv_exchange *ex)
 	w->posts++;
 }
 
+/* Nobody has given it anything, and yet it says that jobs are over: the next one would be. */
+static bool is_ahead(struct srv_worker *w)
+{
+	return w->posts == 0 && !srv_desk_is_at(w->desk, w->heard);
+}
+
 /*
  * ${w} gets ${ex}, which is in no queue.  What is brief may come back and keeps its body here.
- * False where the worker died just now; ${ex} is as it was.
+ * False where the worker died just now or cannot be trusted; ${ex} is as it was.
  */
 static bool post(struct srv_pool *p, struct srv_worker *w, struct srv_exchange *ex)
 {
 	bool brief = is_brief(ex);
 
-	if (ex->body.fd >= 0 && srv_pool_tell(w, SRV_MSG_FILE, ex->body.fd) != 0) {
+	if (is_ahead(w) || (ex->body.fd >= 0 && srv_pool_tell(w, SRV_MSG_FILE, ex->body.fd) != 0)) {
 		srv_pool_bury(p, w);
 		return false;
 	}

@@ -234,9 +234,9 @@ static void answered(struct srv_pool *p, struct srv_worker *w)
 
 void srv_pool_collect(struct srv_pool *p, struct srv_worker *w)
 {
-	while (w->state == SRV_BUSY && atomic_load(&w->desk->done) != w->heard)
+	while (w->state == SRV_BUSY && !srv_desk_is_at(w->desk, w->heard))
 		answered(p, w);
-	if (w->state == SRV_IDLE && (w->file >= 0 || atomic_load(&w->desk->done) != w->heard))
+	if (w->state == SRV_IDLE && (w->file >= 0 || !srv_desk_is_at(w->desk, w->heard)))
 		srv_pool_bury(p, w); /* it says that it did what it was not given */
 }
 

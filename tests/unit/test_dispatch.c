@@ -319,6 +319,43 @@ static void a_worker_that_did_what_it_was_not_given_is_ended(void **state)
 	assert_int_equal(s->ex[0]->reply.code, API_INTERNAL); /* there was no answer */
 }
 
+/* It has nothing to do and says nothing, so it is looked at when it is to have a job. */
+static void a_worker_that_is_ahead_of_its_jobs_gets_none(void **state)
+{
+	struct scene *s = *state;
+	struct srv_exchange *ex[2];
+
+	start_worker(s, LANE);
+	start_worker(s, 0);
+	ex[0] = ask(s, 'a', 100);
+	work(s, LANE, 0);
+	srv_pool_after_sleep(&s->front.pool);
+	srv_desk_done(s->desk[LANE], 2); /* as if it had done the next one, too */
+	put_answer(&s->desk[LANE]->berth[0]);
+	ex[1] = ask(s, 'b', 100);
+	assert_true(s->front.pool.worker[LANE].ended);
+	assert_int_equal(on(s, LANE), 0);
+	assert_int_equal(on(s, 0), 1);
+	work(s, 0, 0);
+	srv_pool_after_sleep(&s->front.pool);
+	assert_int_equal(ex[0]->reply.body[0], 'a');
+	assert_int_equal(ex[1]->reply.body[0], 'b');
+}
+
+static void who_was_to_have_gone_to_it_waits_for_another(void **state)
+{
+	struct scene *s = *state;
+	struct srv_exchange *ex;
+
+	start_worker(s, 0);
+	srv_desk_done(s->desk[0], 1);
+	ex = ask(s, 'L', 300 << 10);
+	assert_true(s->front.pool.worker[0].ended);
+	assert_true(ex->queued && ex->body.fd >= 0 && ex->worker == NULL);
+	start_worker(s, 1);
+	assert_true(srv_pool_in_work(ex));
+}
+
 /* A large answer: a sealed file of ${len} bytes, all of them ${letter}. */
 static void work_large(struct scene *s, unsigned i, uint32_t n, char letter, size_t len)
 {
@@ -450,6 +487,8 @@ int main(void)
 	    TEST(a_client_that_leaves_harms_nobody),
 	    TEST(large_work_is_not_held_up_by_small),
 	    TEST(a_worker_that_did_what_it_was_not_given_is_ended),
+	    TEST(a_worker_that_is_ahead_of_its_jobs_gets_none),
+	    TEST(who_was_to_have_gone_to_it_waits_for_another),
 	    TEST(each_has_its_own_file),
 	    TEST(a_file_without_an_answer_ends_its_worker),
 	    TEST(a_successor_begins_with_an_empty_line),
