@@ -4,18 +4,25 @@
 #include <sys/mman.h>
 
 enum {
-	HUGE = 2 << 20,  /* bytes of a page of x86-64 and, mostly, aarch64 */
-	LARGE = 16 << 20 /* what a table has at least: less is reused warm by the next mesh */
+	LARGE = 16 << 20, /* what a table has at least: less is reused warm by the next mesh */
+	SMALLEST = 4096,  /* bytes of a page, and the largest one that anybody has */
+	LARGEST = 65536
 };
 
+/*
+ * Every page that has some of it: were the first or the last one left out, the kernel would keep
+ * the table in two pieces, which realloc() cannot move but has to copy.  What does not begin with a
+ * page is refused, so that the pages' size is found.
+ */
 void *mp_huge(void *table, size_t size)
 {
 #ifdef MADV_HUGEPAGE
-	size_t skip = -(uintptr_t)table & (HUGE - 1);
+	for (size_t page = SMALLEST; table != NULL && size >= LARGE && page <= LARGEST; page *= 2) {
+		size_t before = (uintptr_t)table & (page - 1);
 
-	if (table != NULL && size >= LARGE)
-		(void)madvise((char *)table + skip, (size - skip) & ~(size_t)(HUGE - 1),
-			      MADV_HUGEPAGE);
+		if (madvise((char *)table - before, before + size, MADV_HUGEPAGE) == 0)
+			break;
+	}
 #else
 	(void)size;
 #endif

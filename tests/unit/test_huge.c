@@ -41,6 +41,8 @@ static void a_large_table_is_advised(void **state)
 
 	(void)state;
 	assert_non_null(table);
+	assert_int_equal(is_advised(table), advised); /* in one piece: realloc() can move it */
+	assert_int_equal(is_advised(table + LARGE - 1), advised);
 	for (size_t i = 0; i < LARGE; i += 4096)
 		assert_int_equal(table[i], 0);
 	free(table);
