@@ -289,7 +289,7 @@ void srv_worker_run(const struct srv_config *config, int sock, struct srv_desk *
 	if (srv_sandbox_obey(config->sandbox, SRV_SANDBOX_WORKER, why, sizeof why) != 0)
 		_exit(7); /* the front said why and has not begun either */
 
-	mallopt(M_MMAP_THRESHOLD, 32 << 20);
+	mallopt(M_MMAP_MAX, 0);        /* what is mapped apart is unmapped when it is freed */
 	mallopt(M_TRIM_THRESHOLD, -1); /* only where rest() says so */
 	hear(&w);                      /* until then the desk may be the last worker's */
 	for (;;) {
