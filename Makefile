@@ -63,6 +63,7 @@ opt_core/exact/exact_digits.c := -O3
 opt_core/obj/polygon.c := -O3
 opt_core/topology/manifold.c := -O3
 opt_core/topology/rings.c := -O3
+opt_core/topology/rings_far.c := -O3
 opt_core/geometry/collinear.c := -O3
 opt_core/moments/uncertainty_kernel.c := -O3
 opt_core/stl/stl_binary.c := -O3

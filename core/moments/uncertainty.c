@@ -85,18 +85,48 @@ static void set_steps(struct mp_deviation_frame *f, const struct mp_rounded_soli
 	}
 }
 
-static void take(void *self, const struct mp_links *links)
+static int begin_windows(void *self, size_t windows)
 {
 	struct mp_uncertainty_state *s = self;
 
-	s->kernel->add(&s->sums, &s->frame, links);
-	s->seen = links->first + links->count;
+	s->windows = windows;
+	s->window = calloc(windows, sizeof *s->window);
+	return s->window == NULL ? -1 : 0;
+}
+
+static void take(void *self, size_t window, const struct mp_links *links)
+{
+	struct mp_uncertainty_state *s = self;
+
+	s->kernel->add(&s->window[window], &s->frame, links);
+}
+
+static void add_sums(struct mp_deviation_sums *to, const struct mp_deviation_sums *from)
+{
+	for (int lane = 0; lane < LANES; lane++) {
+		to->vv[lane] += from->vv[lane];
+		for (int row = 0; row < MP_DEVIATION_ROWS; row++) {
+			to->vm[row][lane] += from->vm[row][lane];
+			to->mm[row][lane] += from->mm[row][lane];
+		}
+	}
+}
+
+static void end_windows(void *self, bool all)
+{
+	struct mp_uncertainty_state *s = self;
+
+	for (size_t i = 0; i < s->windows && all; i++)
+		add_sums(&s->sums, &s->window[i]);
+	s->seen = all;
+	free(s->window);
+	s->window = NULL;
 }
 
 void mp_uncertainty_begin(struct mp_uncertainty_state *state, const struct mp_rounded_solid *s)
 {
 	memset(state, 0, sizeof *state);
-	state->watcher = (struct mp_links_sink){take, state};
+	state->watcher = (struct mp_links_sink){begin_windows, take, end_windows, state};
 	state->mesh = s->mesh;
 	state->kernel = mp_deviation_kernel_get(mp_deviation_kernel_count() - 1);
 	set_scale(&state->frame, s);
@@ -140,13 +170,19 @@ static int look_at_all(struct mp_uncertainty_state *s, struct mp_error *err)
 	const size_t size = ((size_t)3 * s->mesh->triangles + 1) * sizeof(uint64_t);
 	uint32_t *row = calloc((size_t)vertices + 1, sizeof *row);
 	uint64_t *link = mp_huge(malloc(size), size);
-	int failed = row == NULL || link == NULL;
+	int failed =
+	    row == NULL || link == NULL || begin_windows(s, vertices / MP_LINKS_WINDOW + 1);
 
 	if (!failed) {
 		count_rows(s->mesh, vertices, row);
 		scatter(s->mesh, row, link);
-		memset(&s->sums, 0, sizeof s->sums);
-		take(s, &(struct mp_links){0, vertices, row, link});
+		for (uint32_t v = 0, left; v < vertices; v += MP_LINKS_WINDOW) {
+			left = vertices - v;
+			take(s, v / MP_LINKS_WINDOW,
+			     &(struct mp_links){v, left < MP_LINKS_WINDOW ? left : MP_LINKS_WINDOW,
+						row + v, link + row[v]});
+		}
+		end_windows(s, true);
 	}
 	free(row);
 	free(link);
@@ -199,7 +235,7 @@ static void set_deviation(const struct mp_uncertainty_state *state,
 int mp_uncertainty_end(struct mp_uncertainty_state *state, const struct mp_rounded_solid *s,
 		       struct mp_deviation *out, struct mp_error *err)
 {
-	if (state->seen < mp_vertices_count(s->mesh->vertices) && look_at_all(state, err))
+	if (!state->seen && look_at_all(state, err))
 		return -1;
 	set_deviation(state, s, out);
 	return 0;

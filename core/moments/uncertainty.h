@@ -53,8 +53,10 @@ struct mp_uncertainty_state {
 	double row_scale[3]; /* a row's derivatives times this are those wanted */
 	const struct mp_deviation_kernel *kernel;
 	struct mp_deviation_frame frame;
-	struct mp_deviation_sums sums;
-	uint32_t seen; /* vertices 0 .. seen - 1 are in the sums */
+	struct mp_deviation_sums *window; /* of each, while they are looked at */
+	size_t windows;
+	struct mp_deviation_sums sums; /* of all, one after the other, whoever was done first */
+	bool seen;                     /* they are there */
 };
 void mp_uncertainty_begin(struct mp_uncertainty_state *, const struct mp_rounded_solid *);
 

@@ -33,8 +33,9 @@ void mp_ring_window_free(struct mp_ring_window *w)
 	free(w->far);
 }
 
-void mp_ring_window_begin(struct mp_ring_window *w, uint32_t low, uint32_t count)
+void mp_ring_window_begin(struct mp_ring_window *w, size_t number, uint32_t low, uint32_t count)
 {
+	w->number = number;
 	w->low = low;
 	w->count = count;
 	w->fars = 0;
@@ -136,7 +137,7 @@ static void show(const struct mp_ring_window *w, uint32_t end, uint32_t count)
 	struct mp_ring_show *s = w->show;
 
 	if (count > 0)
-		w->watcher->take(w->watcher->self,
+		w->watcher->take(w->watcher->self, w->number,
 				 &(struct mp_links){w->low + end - count, count, s->row, s->link});
 }
 
@@ -147,7 +148,7 @@ static void show_alone(const struct mp_ring_window *w, uint32_t i, size_t key, s
 	const uint32_t row[2] = {0, (uint32_t)n};
 
 	collect(w, w->key + key, n - MP_RING_LINE, link);
-	w->watcher->take(w->watcher->self, &(struct mp_links){w->low + i, 1, row, link});
+	w->watcher->take(w->watcher->self, w->number, &(struct mp_links){w->low + i, 1, row, link});
 }
 
 /* Behind the ${count} vertices that are in the show already. */

@@ -19,6 +19,7 @@ struct mp_ring_show {
 
 struct mp_ring_window { /* all 0 before init() */
 	const struct mp_ring_kernel *kernel;
+	size_t number;       /* for the watcher */
 	uint32_t low, count; /* vertices low .. low + count - 1 */
 	void *memory;        /* where line lies */
 	struct mp_ring_line *line;
@@ -41,7 +42,7 @@ int mp_ring_window_init(struct mp_ring_window *, uint32_t count, size_t most,
 void mp_ring_window_free(struct mp_ring_window *); /* legal after init() failed, too */
 
 /* No links yet. */
-void mp_ring_window_begin(struct mp_ring_window *, uint32_t low, uint32_t count);
+void mp_ring_window_begin(struct mp_ring_window *, size_t number, uint32_t low, uint32_t count);
 
 void mp_ring_window_add_far(struct mp_ring_window *, struct mp_ring_link);
 

@@ -73,7 +73,8 @@ static int find_all(const struct mp_mesh *mesh, uint32_t most, struct mp_topolog
 
 static int find(const struct mp_mesh *mesh, uint32_t most, struct mp_topology *out)
 {
-	static const struct mp_manifold_room room = {.vertices = 1 << 14, .links = 1 << 22};
+	static const struct mp_manifold_room room = {
+	    .vertices = MP_LINKS_WINDOW, .links = 1 << 22, .alone = 100000};
 	bool good;
 
 	if (mp_degenerate_find(mesh, most, out) || mp_manifold_find(mesh, &room, out, &good) ||

@@ -23,9 +23,16 @@ struct mp_links {
 	const uint64_t *link;
 };
 
-/* Is shown the links of vertices, ascending and each once, by those who have them in a cache. */
+/*
+ * Is shown the links of vertices by those who have them in a cache, window by window of
+ * MP_LINKS_WINDOW: those of window i begin with number i * MP_LINKS_WINDOW and come ascending and
+ * each once, windows in any order and two of them beside each other.
+ */
+#define MP_LINKS_WINDOW (1 << 14)
 struct mp_links_sink {
-	void (*take)(void *self, const struct mp_links *);
+	int (*begin)(void *self, size_t windows); /* so many; -1: no memory, and no end() */
+	void (*take)(void *self, size_t window, const struct mp_links *);
+	void (*end)(void *self, bool all); /* of the windows: else not worth keeping */
 	void *self;
 };
 

@@ -17,13 +17,16 @@ int mp_degenerate_find(const struct mp_mesh *, uint32_t most, struct mp_topology
  * manifold.c: the short way.  Where every edge is used once in each direction, every vertex has one
  * fan and no triangle repeats another, this fills everything below but euler; else ${*good} is
  * false and nothing is filled; so it may be, too, where most corners are at vertices of more than 8
- * triangles.  4 bytes a vertex, those of a window, 12 for each of ${links} corners, half of all if
- * that is more, where the triangles are in no order, and 4 a triangle besides.
+ * triangles.  4 bytes a vertex, those of a window (of two, if mesh->second shares the work), those
+ * of
+ * ${links} corners, half of all if that is more, where the triangles are in no order, and 4 a
+ * triangle besides.
  */
 struct mp_manifold_room {
 	uint32_t
 	    vertices; /* of a window, a power of two: 65 bytes each should have place in a cache */
-	uint32_t links; /* sorted at a time, 12 bytes each */
+	uint32_t links; /* sorted at a time, 8 bytes each; 12 where there are many vertices */
+	uint32_t alone; /* most triangles that are not worth waking the second thread for */
 };
 int mp_manifold_find(const struct mp_mesh *, const struct mp_manifold_room *,
 		     struct mp_topology *out, bool *good);

@@ -188,11 +188,14 @@ static void run_uncertainty(struct work *w)
 	struct mp_deviation deviation;
 
 	mp_uncertainty_begin(&state, &s);
+	if (state.watcher.begin(&state, vertices / MP_LINKS_WINDOW + 1))
+		die("no memory");
 	for (uint32_t v = 0, n; v < vertices; v += n) {
 		n = vertices - v < 1024 ? vertices - v : 1024;
-		state.watcher.take(&state,
+		state.watcher.take(&state, v / MP_LINKS_WINDOW,
 				   &(struct mp_links){v, n, w->row + v, w->link + w->row[v]});
 	}
+	state.watcher.end(&state, true);
 	if (mp_uncertainty_end(&state, &s, &deviation, NULL))
 		die("no memory");
 }
@@ -245,11 +248,26 @@ static void change(struct work *w, int bits)
 		}
 }
 
-static void keep_links(void *self, const struct mp_links *l)
+static int begin_links(void *self, size_t windows)
+{
+	(void)self;
+	(void)windows;
+	return 0;
+}
+
+static void end_links(void *self, bool all)
+{
+	(void)self;
+	(void)all;
+}
+
+/* Ascending: nobody shares the work. */
+static void keep_links(void *self, size_t window, const struct mp_links *l)
 {
 	struct work *w = self;
 	uint32_t at = l->first == 0 ? 0 : w->row[l->first];
 
+	(void)window;
 	for (uint32_t i = 0; i <= l->count; i++)
 		w->row[l->first + i] = at + (l->row[i] - l->row[0]);
 	memcpy(w->link + at, l->link, (l->row[l->count] - l->row[0]) * sizeof *l->link);
@@ -257,7 +275,7 @@ static void keep_links(void *self, const struct mp_links *l)
 
 static void find_mesh(struct work *w)
 {
-	const struct mp_links_sink keeper = {keep_links, w};
+	const struct mp_links_sink keeper = {begin_links, keep_links, end_links, w};
 
 	run_moments(w);
 	run_vertices(w);

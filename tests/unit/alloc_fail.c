@@ -15,10 +15,10 @@ void *__wrap_calloc(size_t count, size_t size);
 void *__wrap_realloc(void *old, size_t size);
 void __wrap_free(void *p);
 
-static long counted;
-static long failing; /* value of counted at which to fail, 0 = never */
+static _Atomic long counted; /* atomic: second_thread.h */
+static _Atomic long failing; /* value of counted at which to fail, 0 = never */
 
-static long used, most; /* bytes, since alloc_peak_begin() */
+static _Atomic long used, most; /* bytes, since alloc_peak_begin() */
 
 void alloc_peak_begin(void)
 {

@@ -15,21 +15,45 @@
 
 static const struct mp_manifold_room roomy = {.vertices = 1 << 14, .links = 1 << 22};
 
-/* Who watches: every vertex once, ascending, with all its links in the order of the triangles. */
+/*
+ * Who watches: every vertex once, ascending in a window, with all its links in the order of the
+ * triangles.
+ */
 struct watch {
 	const struct mp_mesh *mesh;
-	uint32_t seen;
-	bool wrong;
+	uint32_t window; /* vertices */
+	size_t windows;
+	uint32_t *seen; /* of each window */
+	bool wrong, ended, all;
 };
 
-static void check_links(void *self, const struct mp_links *l)
+static int begin_links(void *self, size_t windows)
+{
+	struct watch *w = self;
+
+	w->windows = windows;
+	w->seen = calloc(windows + 1, sizeof *w->seen);
+	return w->seen == NULL ? -1 : 0;
+}
+
+static void end_links(void *self, bool all)
+{
+	struct watch *w = self;
+
+	w->wrong = w->wrong || w->ended;
+	w->ended = true;
+	w->all = all;
+}
+
+static void check_links(void *self, size_t window, const struct mp_links *l)
 {
 	struct watch *w = self;
 	uint32_t *at = malloc(((size_t)l->count + 1) * sizeof *at);
 
 	assert_non_null(at);
-	w->wrong = w->wrong || l->first != w->seen;
-	w->seen += l->count;
+	w->wrong =
+	    w->wrong || window >= w->windows || l->first != window * w->window + w->seen[window];
+	w->seen[window] += l->count;
 	memcpy(at, l->row, ((size_t)l->count + 1) * sizeof *at);
 	for (uint32_t t = 0; t < w->mesh->triangles; t++) {
 		const uint32_t *v = w->mesh->tri[t];
@@ -53,8 +77,8 @@ static bool is_good_by(const struct soup *soup, const struct mp_manifold_room *r
 {
 	struct mp_topology t = {0}, want;
 	struct built b;
-	struct watch watch = {.mesh = &b.mesh};
-	const struct mp_links_sink sink = {check_links, &watch};
+	struct watch watch = {.mesh = &b.mesh, .window = room->vertices};
+	const struct mp_links_sink sink = {begin_links, check_links, end_links, &watch};
 	bool good = false;
 
 	assert_int_equal(soup_build(soup, 3, &b, NULL), 0);
@@ -63,7 +87,12 @@ static bool is_good_by(const struct soup *soup, const struct mp_manifold_room *r
 	b.mesh.watcher = NULL;
 	assert_false(watch.wrong);
 	if (good) {
-		assert_int_equal(watch.seen, mp_vertices_count(b.mesh.vertices));
+		uint32_t seen = 0;
+
+		for (size_t i = 0; i < watch.windows; i++)
+			seen += watch.seen[i];
+		assert_int_equal(seen, mp_vertices_count(b.mesh.vertices));
+		assert_true(watch.ended && watch.all);
 		reference_topology(&b.mesh, &want);
 		assert_true(want.closed && want.watertight && want.winding_consistent);
 		assert_int_equal(want.non_manifold_vertices + want.duplicate_triangles, 0);
@@ -80,7 +109,9 @@ static bool is_good_by(const struct soup *soup, const struct mp_manifold_room *r
 		mp_topology_free(&want);
 	} else {
 		assert_null(t.body);
+		assert_true(watch.ended ? !watch.all : watch.seen == NULL);
 	}
+	free(watch.seen);
 	mp_topology_free(&t);
 	built_free(&b);
 	return good;
@@ -93,7 +124,7 @@ static bool is_good(const struct soup *soup)
 
 	for (uint32_t vertices = 1; vertices < 200; vertices *= 4)
 		for (uint32_t links = 1; links < 500; links *= 16) {
-			const struct mp_manifold_room room = {vertices, links};
+			const struct mp_manifold_room room = {vertices, links, 0};
 
 			assert_int_equal(is_good_by(soup, &room), good);
 		}
@@ -123,7 +154,7 @@ static void large_meshes_are_looked_at_by_parts(void **unused)
 			soup_flip(&s, s.count - 1);
 		assert_int_equal(soup_build(&s, 3, &b, NULL), 0);
 		for (uint32_t vertices = 1; vertices < 30000; vertices *= 4) {
-			const struct mp_manifold_room room = {vertices, vertices};
+			const struct mp_manifold_room room = {vertices, vertices, 0};
 
 			assert_int_equal(mp_manifold_find(&b.mesh, &room, &t, &good), 0);
 			assert_int_equal(good, round / 2 == 0);
