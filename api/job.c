@@ -170,6 +170,7 @@ static int set_up(struct api_job *j, const struct api_media *media)
 	j->files.several = j->head.several;
 	memcpy(j->files.request.key, j->head.key, sizeof j->files.request.key);
 	j->files.request.limits.max_triangles = j->head.limits.max_triangles;
+	j->files.request.second = j->head.second;
 	if (media->form) {
 		j->form = api_form_new(media->boundary, &j->options, &j->files);
 		if (j->form == NULL)

@@ -7,6 +7,7 @@
 
 #include "api/mesh_stl.h"
 #include "api/problem.h"
+#include "core/second.h"
 
 /*
  * One request for mass properties, from its words and bytes to its answer: content coding,
@@ -30,7 +31,8 @@ struct api_job_head {
 	const char *request_id;       /* for problems */
 	uint8_t key[16];              /* secret, fresh random bytes */
 	struct api_job_limits limits;
-	double (*now)(void); /* monotonic seconds */
+	const struct mp_second *second; /* as in struct mp_request, until api_job_free() */
+	double (*now)(void);            /* monotonic seconds */
 };
 
 struct api_timing { /* milliseconds */

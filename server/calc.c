@@ -13,6 +13,7 @@
 #include "api/options.h"
 #include "api/report_table.h"
 #include "server/clock.h"
+#include "server/second.h"
 
 enum { GOOD = 0, NOT_SOLID = 1, UNREADABLE = 2 };
 
@@ -22,6 +23,7 @@ struct calc {
 	char *query;   /* the options as a URL's query: one parser serves both */
 	size_t query_len;
 	int files;
+	const struct mp_second *second; /* NULL: none */
 };
 
 static int append(struct calc *c, const char *text, size_t len, bool escape)
@@ -163,6 +165,7 @@ static int one_solid(const struct calc *c, char **file, int count)
 				    .instance = "calc",
 				    .request_id = "calc",
 				    .limits = {UINT64_MAX, 1400000000},
+				    .second = c->second,
 				    .now = srv_now};
 	int verdict = UNREADABLE, i = 0;
 	struct api_job *job;
@@ -223,8 +226,11 @@ static int read_arguments(struct calc *c, int argc, char **argv)
 int srv_calc_main(int argc, char **argv)
 {
 	struct calc c = {.json = false};
+	static struct srv_second second; /* its thread ends with the process */
 	int rc = read_arguments(&c, argc, argv), worst = rc < 0 ? UNREADABLE : GOOD;
 
+	if (rc == 0 && srv_second_start(&second, SRV_SANDBOX_OFF) > 0)
+		c.second = &second.lent;
 	for (int i = 1; rc == 0 && i <= c.files; i += c.together ? c.files : 1) {
 		int verdict = one_solid(&c, argv + i, c.together ? c.files : 1);
 

@@ -88,7 +88,7 @@ _Noreturn static void worker_child(struct srv_master *m, unsigned i, int sock)
 	(void)setrlimit(RLIMIT_CORE, &no_core);
 	limit_memory(i + 1 == m->slots ? m->memory.lane : m->memory.worker, sock);
 	take_turns(i + 1 < m->slots);
-	srv_worker_run(m->config, sock, m->slot[i].desk);
+	srv_worker_run(m->config, sock, m->slot[i].desk, i + 1 < m->slots);
 }
 
 static void announce(struct srv_master *m, unsigned i, int sock)

@@ -13,6 +13,7 @@
 #include "server/channel.h"
 #include "server/clock.h"
 #include "server/io.h"
+#include "server/second.h"
 
 /*
  * Fresh pages cost more than anything that is done with them, so what was touched stays, mapped and
@@ -36,6 +37,7 @@ struct worker {
 	double unsaid_since;
 	uint8_t key[KEYS][KEY_BYTES];
 	unsigned keys;
+	struct mp_second *second; /* NULL: none */
 };
 
 static void tell(struct worker *w, enum srv_message what, const int *fd, size_t fds)
@@ -243,6 +245,7 @@ static struct api_job *begin(struct worker *w)
 	    .request_id = words->request_id,
 	    .mesh = words->mesh,
 	    .limits = {w->config->max_decoded, w->config->max_triangles},
+	    .second = w->second,
 	    .now = srv_now};
 
 	take_key(w, head.key);
@@ -281,13 +284,19 @@ static void say_done(struct worker *w)
 		tell(w, SRV_MSG_DONE, NULL, 0);
 }
 
-void srv_worker_run(const struct srv_config *config, int sock, struct srv_desk *desk)
+void srv_worker_run(const struct srv_config *config, int sock, struct srv_desk *desk, bool large)
 {
 	struct worker w = {.config = config, .sock = sock, .file = -1, .desk = desk};
+	struct srv_second second;
 	char why[200];
+	int seconds;
 
-	if (srv_sandbox_obey(config->sandbox, SRV_SANDBOX_WORKER, why, sizeof why) != 0)
+	mallopt(M_ARENA_MAX, 1); /* what one thread frees serves the other */
+	seconds = large ? srv_second_start(&second, config->sandbox) : 0;
+	if (seconds < 0 ||
+	    srv_sandbox_obey(config->sandbox, SRV_SANDBOX_WORKER, why, sizeof why) != 0)
 		_exit(7); /* the front said why and has not begun either */
+	w.second = seconds > 0 ? &second.lent : NULL;
 
 	mallopt(M_MMAP_MAX, 0);        /* what is mapped apart is unmapped when it is freed */
 	mallopt(M_TRIM_THRESHOLD, -1); /* only where rest() says so */
