@@ -8,7 +8,7 @@
 #include "api/json_number.h"
 #include "api/utf8.h"
 
-static bool grow(struct api_text *t, size_t len)
+bool api_text_grow(struct api_text *t, size_t len)
 {
 	size_t cap = t->cap < 1024 ? 1024 : t->cap;
 	char *p;
@@ -25,37 +25,17 @@ static bool grow(struct api_text *t, size_t len)
 	return true;
 }
 
-/* Room for ${len} bytes and the NUL behind them? */
-static inline bool has_room(struct api_text *t, size_t len)
-{
-	return !t->failed && (len < t->cap - t->len || grow(t, len));
-}
-
 static inline void put_char(struct api_text *t, char c)
 {
-	if (!has_room(t, 1))
+	if (!api_text_has_room(t, 1))
 		return;
 	t->text[t->len++] = c;
 	t->text[t->len] = '\0';
 }
 
-void api_text_put(struct api_text *t, const char *bytes, size_t len)
-{
-	if (!has_room(t, len))
-		return;
-	memcpy(t->text + t->len, bytes, len);
-	t->len += len;
-	t->text[t->len] = '\0';
-}
-
-void api_text_say(struct api_text *t, const char *words)
-{
-	api_text_put(t, words, strlen(words));
-}
-
 void api_text_number(struct api_text *t, double x)
 {
-	if (has_room(t, API_NUMBER_SIZE))
+	if (api_text_has_room(t, API_NUMBER_SIZE))
 		t->len += api_json_number(t->text + t->len, x);
 }
 
@@ -74,13 +54,31 @@ void api_text_bool(struct api_text *t, bool b)
 	api_text_say(t, b ? "true" : "false");
 }
 
+/* Has one of the eight bytes, all of which are below 0x80, the value ${of}?  (Mycroft's trick.) */
+static inline uint64_t any(uint64_t eight, uint64_t of)
+{
+	const uint64_t ones = UINT64_C(0x0101010101010101);
+
+	return (eight ^ ones * of) - ones;
+}
+
 /* Printable ASCII that needs no backslash, as nearly all our words are. */
 static bool is_plain(const char *bytes, size_t len)
 {
-	for (size_t i = 0; i < len; i++)
-		if (bytes[i] < 0x20 || bytes[i] > 0x7e || bytes[i] == '"' || bytes[i] == '\\')
-			return false;
-	return true;
+	const uint64_t ones = UINT64_C(0x0101010101010101);
+	uint64_t bad = 0, eight;
+	size_t i = 0;
+
+	for (; len - i >= sizeof eight; i += sizeof eight) {
+		memcpy(&eight, bytes + i, sizeof eight);
+		bad |= eight | (eight - ones * 0x20) | (eight + ones) | any(eight, '"') |
+		       any(eight, '\\');
+	}
+	for (; i < len; i++)
+		bad |= bytes[i] < 0x20 || bytes[i] > 0x7e || bytes[i] == '"' || bytes[i] == '\\'
+			   ? 0x80
+			   : 0;
+	return (bad & ones * 0x80) == 0;
 }
 
 void api_text_string(struct api_text *t, const char *bytes, size_t len)
@@ -147,38 +145,34 @@ void api_text_matrix(struct api_text *t, const double m[3][3])
 	put_char(t, ']');
 }
 
-/* The text becomes a node: cJSON_CreateRaw() would copy, and a report's lists may hold 100 MB. */
-static void add_node(struct api_json *j, const char *name, struct api_text *t)
-{
-	cJSON *item = t->failed || t->text == NULL ? NULL : cJSON_CreateNull();
-
-	if (item == NULL) {
-		free(t->text);
-		j->failed = true;
-	} else {
-		item->type = cJSON_Raw;
-		item->valuestring = t->text; /* given back by cJSON_Delete() */
-		j->size += t->len + strlen(name) + 4;
-		if (!cJSON_AddItemToObjectCS(j->root, name, item)) {
-			cJSON_Delete(item);
-			j->failed = true;
-		}
-	}
-	memset(t, 0, sizeof *t);
-}
-
 static void close_to(struct api_json *j, unsigned depth)
 {
 	for (; j->depth > depth; j->depth--)
 		put_char(&j->text, '}');
 }
 
+/*
+ * What has been written becomes a node.  It is a reference, for cJSON_CreateRaw() would copy, and a
+ * report's lists may hold 100 MB.  The text may move until it is complete: so far its place in
+ * there is the node's number.
+ */
 static void end_member(struct api_json *j)
 {
+	cJSON *item;
+
 	if (j->name == NULL)
 		return;
 	close_to(j, 0);
-	add_node(j, j->name, &j->text);
+	item = j->text.failed || j->text.len == j->at ? NULL : cJSON_CreateNull();
+	if (item == NULL || !cJSON_AddItemToObjectCS(j->root, j->name, item)) {
+		cJSON_Delete(item);
+		j->failed = j->text.failed = true;
+	} else {
+		item->type = (item->type & cJSON_StringIsConst) | cJSON_Raw | cJSON_IsReference;
+		item->valuedouble = (double)j->at;
+		j->names += strlen(j->name) + 4;
+		j->text.len++; /* the NUL stays */
+	}
 	j->name = NULL;
 }
 
@@ -188,7 +182,7 @@ static void put_name(struct api_text *t, const char *name)
 	size_t len = strlen(name);
 	char *p;
 
-	if (!has_room(t, len + 4))
+	if (!api_text_has_room(t, len + 4))
 		return;
 	p = t->text + t->len;
 	if (t->len > 0 && p[-1] != '{')
@@ -214,6 +208,7 @@ static struct api_text *begin(struct api_json *j, const cJSON *parent, const cha
 	if (parent == j->root) {
 		end_member(j);
 		j->name = name;
+		j->at = j->text.len;
 		return &j->text;
 	}
 	while (depth < j->depth && parent != &j->open[depth])
@@ -312,16 +307,17 @@ void api_json_matrix(struct api_json *j, cJSON *parent, const char *name, bool d
 		api_text_put(t, "null", 4);
 }
 
+struct api_text *api_json_raw(struct api_json *j, cJSON *parent, const char *name)
+{
+	struct api_text *t = begin(j, parent, name);
+
+	return t != NULL ? t : &j->text; /* in vain, for it has failed */
+}
+
 void api_json_text(struct api_json *j, cJSON *parent, const char *name, struct api_text *t)
 {
-	struct api_text *to;
+	struct api_text *to = begin(j, parent, name);
 
-	if (parent != NULL && parent == j->root) {
-		end_member(j);
-		add_node(j, name, t);
-		return;
-	}
-	to = begin(j, parent, name);
 	if (t->failed || t->text == NULL)
 		j->failed = true;
 	else if (to != NULL)
@@ -338,15 +334,26 @@ cJSON *api_json_begin(struct api_json *j)
 	return j->root;
 }
 
+/* Nothing moves any more: the nodes get their texts. */
+static void refer(struct api_json *j)
+{
+	for (cJSON *item = j->root->child; item != NULL; item = item->next)
+		item->valuestring = j->text.text + (size_t)item->valuedouble;
+}
+
 char *api_json_finish(struct api_json *j, size_t *len)
 {
+	size_t size;
 	char *text = NULL;
 
 	if (j->root != NULL)
 		end_member(j);
-	if (!j->failed)
-		text = j->size < INT_MAX / 2 ? cJSON_PrintBuffered(j->root, (int)j->size + 64, 0)
-					     : cJSON_PrintUnformatted(j->root);
+	size = j->text.len + j->names + 64;
+	if (!j->failed) {
+		refer(j);
+		text = size < INT_MAX / 2 ? cJSON_PrintBuffered(j->root, (int)size, 0)
+					  : cJSON_PrintUnformatted(j->root);
+	}
 	free(j->text.text);
 	cJSON_Delete(j->root);
 	memset(j, 0, sizeof *j);

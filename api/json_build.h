@@ -5,11 +5,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /*
  * Building JSON: the members of the document are a cJSON tree, what is within them is one growing
- * text each, so that neither a list of 100,000 defects nor 150 numbers are nodes of their own: a
- * tree of all of them took longer than the analysis of a small part.  Failure (memory is out) is
+ * text, so that neither a list of 100,000 defects nor 150 numbers are nodes of their own: a tree
+ * of all of them took longer than the analysis of a small part.  Failure (memory is out) is
  * remembered and asked for once, at the end.
  */
 
@@ -20,8 +21,31 @@ struct api_text {
 	bool failed;
 };
 
-void api_text_put(struct api_text *, const char *bytes, size_t len);
-void api_text_say(struct api_text *, const char *words);
+/* Make room for ${len} bytes and the NUL behind them: false where memory is out. */
+bool api_text_grow(struct api_text *, size_t len);
+
+static inline bool api_text_has_room(struct api_text *t, size_t len)
+{
+	return !t->failed && (len < t->cap - t->len || api_text_grow(t, len));
+}
+
+static inline void api_text_put(struct api_text *t, const char *bytes, size_t len)
+{
+	if (!api_text_has_room(t, len))
+		return;
+	memcpy(t->text + t->len, bytes, len);
+	t->len += len;
+	t->text[t->len] = '\0';
+}
+
+/* ,"name": with a literal for the name: behind the first member of an object. */
+#define API_TEXT_MEMBER(t, name) api_text_put(t, ",\"" name "\":", sizeof name + 3)
+
+static inline void api_text_say(struct api_text *t, const char *words)
+{
+	api_text_put(t, words, strlen(words));
+}
+
 void api_text_number(struct api_text *, double x); /* null where not finite */
 void api_text_count(struct api_text *, uint64_t n);
 void api_text_bool(struct api_text *, bool b);
@@ -36,11 +60,12 @@ enum { API_JSON_DEEPEST = 8 };
 
 struct api_json {
 	cJSON *root;
+	struct api_text text; /* the values of all members of root, each ended by a NUL */
 	const char *name;     /* of the member of root that is being written, NULL: of none */
-	struct api_text text; /* its value so far */
+	size_t at;            /* where its value begins in text */
 	unsigned depth;       /* objects open in it */
 	cJSON open[API_JSON_DEEPEST]; /* only their addresses are used: what object() returned */
-	size_t size;                  /* of what is in the tree, about */
+	size_t names;                 /* of members of root: about how much room they take */
 	bool failed;
 };
 
@@ -63,6 +88,9 @@ void api_json_vector(struct api_json *, cJSON *parent, const char *name, bool de
 void api_json_matrix(struct api_json *, cJSON *parent, const char *name, bool defined,
 		     const double m[3][3]);
 
+/* The value of the member is what the caller puts behind this text, in JSON, before anything else.
+ */
+struct api_text *api_json_raw(struct api_json *, cJSON *parent, const char *name);
 /* ${text}, which is JSON already, becomes the member and is taken over (zeroed). */
 void api_json_text(struct api_json *, cJSON *parent, const char *name, struct api_text *text);
 

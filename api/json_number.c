@@ -11,8 +11,10 @@
 
 __extension__ typedef unsigned __int128 u128;
 
-struct decimal { /* d.ddd * 10^exponent */
-	char digit[20];
+/* d.ddd * 10^exponent.  Behind ${count} digits there is room, so that 17 can be moved in one go. */
+enum { WHOLE_MOVED = 8, ALL = 17 };
+struct decimal {
+	char digit[WHOLE_MOVED + ALL + 7];
 	int count, exponent;
 };
 
@@ -37,25 +39,48 @@ static u128 power_of_ten(int k) /* 0 <= k <= 38 */
 	return p;
 }
 
-/* n > 0 has at most 18 digits. */
-static void digits_of(uint64_t n, int exponent, struct decimal *d)
-{
-	char buf[20];
-	int len = 0, first = sizeof buf;
-	uint32_t part[2] = {(uint32_t)(n % 1000000000), 0};
+#define FOUR(x) (x), 10 * (x), 100 * (x), 1000 * (x)
+static const uint64_t tens[] = {FOUR(UINT64_C(1)), FOUR(UINT64_C(10000)), FOUR(UINT64_C(100000000)),
+				FOUR(UINT64_C(1000000000000)), FOUR(UINT64_C(10000000000000000))};
+#undef FOUR
 
-	part[1] = (uint32_t)(n / 1000000000);
-	for (int i = 0; i < 2; i++) /* 32-bit divisions by a constant: twice as fast */
-		for (int k = 0; k < 9; k++, part[i] /= 10)
-			buf[--first] = (char)('0' + part[i] % 10);
-	while (buf[first] == '0')
-		first++;
-	len = (int)sizeof buf - first;
-	memcpy(d->digit, buf + first, (size_t)len);
+/* Of 0 < n < 10^18: log10(2) is 1233/4096, a little less. */
+static int count_digits(uint64_t n)
+{
+	int least = ((64 - __builtin_clzll(n)) * 1233) >> 12;
+
+	return least + (n >= tens[least]);
+}
+
+/* The last ${count} digits of ${n}, two by two. */
+static void put_digits(char *out, uint32_t n, int count)
+{
+	static const char pairs[] = "00010203040506070809101112131415161718192021222324"
+				    "25262728293031323334353637383940414243444546474849"
+				    "50515253545556575859606162636465666768697071727374"
+				    "75767778798081828384858687888990919293949596979899";
+
+	for (; count > 1; count -= 2, n /= 100)
+		memcpy(out + count - 2, pairs + 2 * (size_t)(n % 100), 2);
+	if (count > 0)
+		out[0] = (char)('0' + n % 10);
+}
+
+/* n > 0 has at most 18 digits; 32-bit divisions by a constant are twice as fast. */
+static void digits_of(uint64_t n, struct decimal *d)
+{
+	int len = count_digits(n);
+
+	if (len > 9) {
+		put_digits(d->digit + len - 9, (uint32_t)(n % 1000000000), 9);
+		put_digits(d->digit, (uint32_t)(n / 1000000000), len - 9);
+	} else {
+		put_digits(d->digit, (uint32_t)n, len);
+	}
+	d->exponent = len - 1;
 	while (d->digit[len - 1] == '0')
 		len--;
 	d->count = len;
-	d->exponent = exponent;
 }
 
 static bool scale(double x, int k, struct scaled *s)
@@ -130,9 +155,11 @@ static bool shorten(const struct scaled *s, int exponent, struct decimal *d)
 
 	a = a == SHORTER_FAILS ? round_off(s, 10, &n) : a;
 	a = a == SHORTER_FAILS ? round_off(s, 1, &n) : a;
-	if (a == READS_BACK)
-		digits_of(n, n >= 10 * least17 ? exponent + 1 : exponent, d);
-	return a == READS_BACK;
+	if (a != READS_BACK)
+		return false;
+	digits_of(n, d);
+	d->exponent += exponent - (ALL - 1);
+	return true;
 }
 
 /* False where 128 bits do not tell, which is rare, and below 1e-290, where 10^k is not known. */
@@ -140,10 +167,12 @@ static bool fast(double x, struct decimal *d)
 {
 	struct scaled s;
 	int binary, exponent;
+	uint64_t bits;
 
 	if (x < 1e-290)
 		return false;
-	(void)frexp(x, &binary);
+	memcpy(&bits, &x, sizeof bits); /* normal, positive */
+	binary = (int)(bits >> 52) - 1022;
 	/* floor(log10(2^(binary-1))) by log10(2), and x may have one digit more; 2^22 * log10(2) */
 	exponent = (int)((INT64_C(1262611) * (binary - 1 + (1 << 22))) >> 22) - 1262611;
 	if (!scale_dull(x, 16 - exponent, &s))
@@ -178,44 +207,19 @@ static bool exact(double x, struct decimal *d)
  */
 enum { PLAIN = 16 };
 
-static size_t lay_out(char *out, bool negative, const struct decimal *d)
+static size_t lay_out_exponent(char *out, const struct decimal *d)
 {
+	int e = d->exponent < 0 ? -d->exponent : d->exponent;
 	char *p = out;
-	int e = d->exponent, i;
 
-	if (negative)
-		*p++ = '-';
-	if (e >= 0 && e < PLAIN) {
-		int whole = d->count <= e ? d->count : e + 1;
-
-		memcpy(p, d->digit, (size_t)whole);
-		memset(p + whole, '0', (size_t)(e + 1 - whole));
-		p += e + 1;
-		if (d->count > whole) {
-			*p++ = '.';
-			memcpy(p, d->digit + whole, (size_t)(d->count - whole));
-			p += d->count - whole;
-		}
-		*p = '\0';
-		return (size_t)(p - out);
-	}
-	if (e < 0 && e >= -6) {
-		*p++ = '0';
-		*p++ = '.';
-		for (i = e + 1; i < 0; i++)
-			*p++ = '0';
-		memcpy(p, d->digit, (size_t)d->count);
-		p[d->count] = '\0';
-		return (size_t)(p - out) + (size_t)d->count;
-	}
 	*p++ = d->digit[0];
-	if (d->count > 1)
+	if (d->count > 1) {
 		*p++ = '.';
-	for (i = 1; i < d->count; i++)
-		*p++ = d->digit[i];
+		memcpy(p, d->digit + 1, ALL - 1);
+		p += d->count - 1;
+	}
 	*p++ = 'e';
-	*p++ = e < 0 ? '-' : '+';
-	e = e < 0 ? -e : e;
+	*p++ = d->exponent < 0 ? '-' : '+';
 	if (e >= 100)
 		*p++ = (char)('0' + e / 100);
 	if (e >= 10)
@@ -223,6 +227,46 @@ static size_t lay_out(char *out, bool negative, const struct decimal *d)
 	*p++ = (char)('0' + e % 10);
 	*p = '\0';
 	return (size_t)(p - out);
+}
+
+static size_t lay_out_plain(char *out, const struct decimal *d)
+{
+	int whole = d->exponent + 1, fraction = d->count - whole;
+
+	if (fraction <= 0) {
+		memcpy(out, d->digit, ALL);
+		memset(out + d->count, '0', (size_t)-fraction);
+		out[whole] = '\0';
+		return (size_t)whole;
+	}
+	if (whole <= WHOLE_MOVED) {
+		memcpy(out, d->digit, WHOLE_MOVED);
+		memcpy(out + whole + 1, d->digit + whole, ALL);
+	} else {
+		memcpy(out, d->digit, (size_t)whole);
+		memcpy(out + whole + 1, d->digit + whole, (size_t)fraction);
+	}
+	out[whole] = '.';
+	out[d->count + 1] = '\0';
+	return (size_t)d->count + 1;
+}
+
+static size_t lay_out(char *out, bool negative, const struct decimal *d)
+{
+	int e = d->exponent;
+	char *p = out;
+
+	if (negative)
+		*p++ = '-';
+	if (e >= PLAIN || e < -6)
+		return (size_t)(p - out) + lay_out_exponent(p, d);
+	if (e >= 0)
+		return (size_t)(p - out) + lay_out_plain(p, d);
+	memcpy(p, "0.00000", 7);
+	p += 1 - e;
+	memcpy(p, d->digit, ALL);
+	p[d->count] = '\0';
+	return (size_t)(p - out) + (size_t)d->count;
 }
 
 /* Take the digits of what %e printed; whatever the locale's decimal point is, it is no digit. */
@@ -326,16 +370,10 @@ size_t api_json_number(char out[API_NUMBER_SIZE], double x)
 		return word(out, "null");
 	if (a == 0)
 		return word(out, "0");
-	if (a < 9007199254740992.0 && a == floor(a)) {
-		uint64_t n = (uint64_t)a, tens = 10;
-		int exponent = 0;
-
-		for (; tens <= n; tens *= 10)
-			exponent++;
-		digits_of(n, exponent, &d);
-	} else if (!fast(a, &d) && (a < 1e-6 || a >= 1e17 || !exact(a, &d))) {
+	if (a < 9007199254740992.0 && a == (double)(int64_t)a)
+		digits_of((uint64_t)a, &d);
+	else if (!fast(a, &d) && (a < 1e-6 || a >= 1e17 || !exact(a, &d)))
 		slow(a, &d);
-	}
 	return lay_out(out, x < 0, &d);
 }
 

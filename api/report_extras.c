@@ -94,16 +94,8 @@ static void put_places(const struct mp_crossings *c, struct api_text *out)
 }
 
 /* At most 100,000 of each, of a few hundred bytes: they need no limit of their own. */
-static void list(struct api_json *j, cJSON *defects, const char *name, const struct mp_crossings *c)
-{
-	struct api_text t = {0};
-
-	put_places(c, &t);
-	api_json_text(j, defects, name, &t);
-}
-
 void api_crossings_list(struct api_json *j, cJSON *defects, const struct mp_report *r)
 {
-	list(j, defects, "overlapping_bodies", &r->overlaps);
-	list(j, defects, "self_intersections", &r->self);
+	put_places(&r->overlaps, api_json_raw(j, defects, "overlapping_bodies"));
+	put_places(&r->self, api_json_raw(j, defects, "self_intersections"));
 }

@@ -1,7 +1,6 @@
 #include "api/report_json.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "api/json_build.h"
@@ -22,33 +21,25 @@ struct doc {
 
 static void add_transform(struct doc *d, cJSON *in)
 {
-	struct api_text rows = {0};
+	struct api_text *rows = api_json_raw(&d->j, in, "transform");
 
-	if (!d->o->has_transform) {
-		api_json_null(&d->j, in, "transform");
-		return;
+	for (int i = 0; i < 3 && d->o->has_transform; i++) {
+		api_text_say(rows, i == 0 ? "[" : ",");
+		api_text_vector(rows, d->o->transform[i], 4);
 	}
-	for (int i = 0; i < 3; i++) {
-		api_text_say(&rows, i == 0 ? "[" : ",");
-		api_text_vector(&rows, d->o->transform[i], 4);
-	}
-	api_text_say(&rows, "]");
-	api_json_text(&d->j, in, "transform", &rows);
+	api_text_say(rows, d->o->has_transform ? "]" : "null");
 }
 
 static void add_input(struct doc *d, cJSON *root, const char *filename)
 {
 	cJSON *in = api_json_object(&d->j, root, "input");
-	struct api_text names = {0}, digests = {0};
 
 	if (filename != NULL)
 		api_json_string(&d->j, in, "filename", filename);
 	else
 		api_json_null(&d->j, in, "filename");
-	if (d->o->sent.filenames != NULL) {
-		api_text_say(&names, d->o->sent.filenames);
-		api_json_text(&d->j, in, "filenames", &names);
-	}
+	if (d->o->sent.filenames != NULL)
+		api_text_say(api_json_raw(&d->j, in, "filenames"), d->o->sent.filenames);
 	api_json_string(&d->j, in, "format", api_format_word(d->r->notes.format));
 	api_json_count(&d->j, in, "bytes", d->r->notes.bytes);
 	api_json_string(&d->j, in, "unit", api_unit_names[d->o->unit]);
@@ -57,21 +48,25 @@ static void add_input(struct doc *d, cJSON *root, const char *filename)
 		api_json_string(&d->j, in, "sha256", d->o->sent.sha256);
 	else
 		api_json_null(&d->j, in, "sha256");
-	if (d->o->sent.digests != NULL) {
-		api_text_say(&digests, d->o->sent.digests);
-		api_json_text(&d->j, in, "sha256_of_files", &digests);
-	}
+	if (d->o->sent.digests != NULL)
+		api_text_say(api_json_raw(&d->j, in, "sha256_of_files"), d->o->sent.digests);
 }
 
-static void add_unit(struct doc *d, cJSON *units, const char *name, const char *base, int power)
+/* The unit ${base}, or ${over}.${base}, to the power; their names need no backslashes. */
+static void add_unit(struct doc *d, cJSON *units, const char *name, const char *over,
+		     const char *base, int power)
 {
-	char text[32];
+	struct api_text *t = api_json_raw(&d->j, units, name);
 
+	api_text_say(t, "\"");
+	if (over != NULL) {
+		api_text_say(t, over);
+		api_text_say(t, ".");
+	}
+	api_text_say(t, base);
 	if (power > 1)
-		snprintf(text, sizeof text, "%s%d", base, power);
-	else
-		snprintf(text, sizeof text, "%s", base);
-	api_json_string(&d->j, units, name, text);
+		api_text_count(t, (uint64_t)power);
+	api_text_say(t, "\"");
 }
 
 static void add_units(struct doc *d, cJSON *root)
@@ -82,20 +77,18 @@ static void add_units(struct doc *d, cJSON *root)
 			       ? density /* whatever the density's mass is in */
 			       : api_mass_unit_names[d->o->mass_unit];
 	cJSON *units = api_json_object(&d->j, root, "units");
-	char inertia[24];
 
-	add_unit(d, units, "length", length, 1);
-	add_unit(d, units, "area", length, 2);
-	add_unit(d, units, "volume", length, 3);
+	add_unit(d, units, "length", NULL, length, 1);
+	add_unit(d, units, "area", NULL, length, 2);
+	add_unit(d, units, "volume", NULL, length, 3);
 	if (d->r->has_density) {
 		api_json_string(&d->j, units, "mass", mass);
 		api_json_string(&d->j, units, "density", density);
-		snprintf(inertia, sizeof inertia, "%s.%s", mass, length);
-		add_unit(d, units, "inertia", inertia, 2);
+		add_unit(d, units, "inertia", mass, length, 2);
 	} else {
 		api_json_null(&d->j, units, "mass");
 		api_json_null(&d->j, units, "density");
-		add_unit(d, units, "inertia", length, 5);
+		add_unit(d, units, "inertia", NULL, length, 5);
 	}
 }
 
@@ -338,12 +331,12 @@ static void add_defects(struct doc *d, cJSON *root)
 	}
 	defects = api_json_object(&d->j, root, "defects");
 	for (int k = 0; k < MP_DEFECT_KINDS; k++) {
-		struct api_text t = {0};
+		struct api_text *t = api_json_raw(&d->j, defects, names[k]);
+		size_t before = t->len;
 
-		if (!api_defects_text(d->r, (enum mp_defect_kind)k, left, &t))
+		if (!api_defects_text(d->r, (enum mp_defect_kind)k, left, t))
 			d->lists_cut = true;
-		left -= t.len < left ? t.len : left;
-		api_json_text(&d->j, defects, names[k], &t);
+		left -= t->len - before < left ? t->len - before : left;
 	}
 	api_crossings_list(&d->j, defects, d->r);
 	api_json_bool(&d->j, defects, "truncated", d->r->topology.truncated || d->lists_cut);
@@ -353,13 +346,11 @@ static void add_tail(struct doc *d, cJSON *root, const struct api_timing *timing
 {
 	const double ms[] = {timing->receive, timing->queue, timing->decode, timing->analyse};
 	static const char *const names[] = {"receive", "queue", "decode", "analyse"};
-	struct api_text warnings = {0};
 	cJSON *o = api_json_object(&d->j, root, "repairs");
 
 	api_json_count(&d->j, o, "flipped_triangles", d->r->flipped_triangles);
 	api_json_count(&d->j, o, "welded_vertices", d->r->welded_vertices);
-	(void)api_warnings_text(d->r, d->o, d->lists_cut, &warnings);
-	api_json_text(&d->j, root, "warnings", &warnings);
+	(void)api_warnings_text(d->r, d->o, d->lists_cut, api_json_raw(&d->j, root, "warnings"));
 	o = api_json_object(&d->j, root, "timing_ms");
 	for (int i = 0; i < 4; i++) /* whole microseconds */
 		api_json_value(&d->j, o, names[i], true, round(ms[i] * 1000) / 1000);
@@ -370,7 +361,6 @@ char *api_report_json(const struct mp_report *report, const struct api_options *
 {
 	struct doc d = {.r = report, .o = options};
 	cJSON *root = api_json_begin(&d.j);
-	struct api_text bodies = {0};
 
 	api_json_string(&d.j, root, "schema", "masspropd/1");
 	api_json_string(&d.j, root, "precision", api_precision_word(report->precision));
@@ -382,10 +372,9 @@ char *api_report_json(const struct mp_report *report, const struct api_options *
 	add_bounds(&d, root);
 	api_uncertainty_add(&d.j, root, report);
 	if (report->streamed)
-		api_text_say(&bodies, "null");
+		api_json_null(&d.j, root, "bodies");
 	else
-		api_bodies_text(report, &bodies);
-	api_json_text(&d.j, root, "bodies", &bodies);
+		api_bodies_text(report, api_json_raw(&d.j, root, "bodies"));
 	add_defects(&d, root);
 	api_facets_add(&d.j, root, report, (options->include & API_INCLUDE_FACETS) != 0);
 	add_tail(&d, root, timing);

@@ -9,28 +9,19 @@
 
 enum { MOST_NAMED = 10 }; /* bodies in a warning */
 
-/* Members after the first: ,"name": */
-static void member(struct api_text *t, const char *name)
+static void number(struct api_text *t, bool defined, double x)
 {
-	api_text_say(t, ",\"");
-	api_text_say(t, name);
-	api_text_say(t, "\":");
-}
-
-static void value(struct api_text *t, const char *name, bool defined, double x)
-{
-	member(t, name);
 	api_text_number(t, defined ? x : NAN);
 }
 
 static void nest(struct api_text *t, const struct mp_nest *n)
 {
-	member(t, "depth");
+	API_TEXT_MEMBER(t, "depth");
 	if (n->decided)
 		api_text_count(t, n->depth);
 	else
 		api_text_say(t, "null");
-	member(t, "parent");
+	API_TEXT_MEMBER(t, "parent");
 	if (n->decided && n->parent != MP_NO_BODY)
 		api_text_count(t, n->parent);
 	else
@@ -39,16 +30,20 @@ static void nest(struct api_text *t, const struct mp_nest *n)
 
 static void body_mass(struct api_text *t, const struct mp_mass *m, bool has_density)
 {
-	value(t, "volume", m->volume_defined, fabs(m->volume));
-	value(t, "signed_volume", m->volume_defined, m->volume);
-	value(t, "surface_area", m->area_defined, m->area);
-	value(t, "mass", m->mass_defined && has_density, m->mass);
-	member(t, "centroid");
+	API_TEXT_MEMBER(t, "volume");
+	number(t, m->volume_defined, fabs(m->volume));
+	API_TEXT_MEMBER(t, "signed_volume");
+	number(t, m->volume_defined, m->volume);
+	API_TEXT_MEMBER(t, "surface_area");
+	number(t, m->area_defined, m->area);
+	API_TEXT_MEMBER(t, "mass");
+	number(t, m->mass_defined && has_density, m->mass);
+	API_TEXT_MEMBER(t, "centroid");
 	if (m->centroid_defined)
 		api_text_vector(t, m->centroid, 3);
 	else
 		api_text_say(t, "null");
-	member(t, "inertia_about_centroid");
+	API_TEXT_MEMBER(t, "inertia_about_centroid");
 	if (m->inertia_defined)
 		api_text_matrix(t, m->inertia);
 	else
@@ -60,28 +55,28 @@ static void body(struct api_text *t, const struct mp_body *b, bool has_density)
 	api_text_say(t, "{\"triangles\":");
 	api_text_count(t, b->triangles);
 	body_mass(t, &b->mass, has_density);
-	member(t, "bounding_box");
+	API_TEXT_MEMBER(t, "bounding_box");
 	api_text_say(t, "{\"min\":");
 	api_text_vector(t, b->box.min, 3);
-	member(t, "max");
+	API_TEXT_MEMBER(t, "max");
 	api_text_vector(t, b->box.max, 3);
 	api_text_say(t, "}");
-	member(t, "watertight");
+	API_TEXT_MEMBER(t, "watertight");
 	api_text_bool(t, b->watertight);
-	member(t, "orientable");
+	API_TEXT_MEMBER(t, "orientable");
 	api_text_bool(t, b->orientable);
-	member(t, "genus");
+	API_TEXT_MEMBER(t, "genus");
 	if (b->genus >= 0)
 		api_text_count(t, (uint64_t)b->genus);
 	else
 		api_text_say(t, "null");
-	member(t, "orientation");
+	API_TEXT_MEMBER(t, "orientation");
 	api_text_string(t, api_orientation_word(b->orientation),
 			strlen(api_orientation_word(b->orientation)));
 	nest(t, &b->nest);
-	member(t, "cavity");
+	API_TEXT_MEMBER(t, "cavity");
 	api_text_bool(t, b->cavity);
-	member(t, "name");
+	API_TEXT_MEMBER(t, "name");
 	if (b->name != NULL && b->name_len > 0)
 		api_text_string(t, b->name, b->name_len);
 	else
@@ -108,22 +103,16 @@ static void vertex(struct api_text *t, const struct mp_report *r, uint32_t v)
 	api_text_vector(t, xyz, 3);
 }
 
-static void truth(struct api_text *t, const char *name, bool is)
-{
-	member(t, name);
-	api_text_bool(t, is);
-}
-
 static void junctions(struct api_text *t, const struct mp_report *r, const struct mp_loop *l)
 {
-	member(t, "t_junctions");
+	API_TEXT_MEMBER(t, "t_junctions");
 	api_text_say(t, "[");
 	for (size_t i = 0; i < l->junctions; i++) {
 		const struct mp_junction *j = &r->topology.junction[l->junction_at + i];
 
 		api_text_say(t, i > 0 ? ",{\"vertex\":" : "{\"vertex\":");
 		vertex(t, r, j->vertex);
-		member(t, "edge");
+		API_TEXT_MEMBER(t, "edge");
 		api_text_say(t, "[");
 		vertex(t, r, j->ends[0]);
 		api_text_say(t, ",");
@@ -135,21 +124,27 @@ static void junctions(struct api_text *t, const struct mp_report *r, const struc
 
 static void loop(struct api_text *t, const struct mp_report *r, const struct mp_loop *l)
 {
-	member(t, "edge_count");
+	API_TEXT_MEMBER(t, "edge_count");
 	api_text_count(t, l->edges);
-	member(t, "vertex_count");
+	API_TEXT_MEMBER(t, "vertex_count");
 	api_text_count(t, l->vertices);
-	truth(t, "simple", l->simple);
-	value(t, "length", l->length_defined, l->length);
-	value(t, "area", l->area_defined, l->area);
-	truth(t, "planar", l->planar);
-	value(t, "plane_deviation", l->plane_defined, l->plane_deviation);
-	truth(t, "crack", l->crack);
+	API_TEXT_MEMBER(t, "simple");
+	api_text_bool(t, l->simple);
+	API_TEXT_MEMBER(t, "length");
+	number(t, l->length_defined, l->length);
+	API_TEXT_MEMBER(t, "area");
+	number(t, l->area_defined, l->area);
+	API_TEXT_MEMBER(t, "planar");
+	api_text_bool(t, l->planar);
+	API_TEXT_MEMBER(t, "plane_deviation");
+	number(t, l->plane_defined, l->plane_deviation);
+	API_TEXT_MEMBER(t, "crack");
+	api_text_bool(t, l->crack);
 	junctions(t, r, l);
-	member(t, "bounding_box");
+	API_TEXT_MEMBER(t, "bounding_box");
 	api_text_say(t, "{\"min\":");
 	api_text_vector(t, l->min, 3);
-	member(t, "max");
+	API_TEXT_MEMBER(t, "max");
 	api_text_vector(t, l->max, 3);
 	api_text_say(t, "}");
 }
@@ -162,8 +157,10 @@ static void extras(struct api_text *t, const struct mp_report *r, enum mp_defect
 
 	if (kind == MP_DEFECT_BOUNDARY_LOOP)
 		loop(t, r, &r->topology.loop[i]);
-	if (kind == MP_DEFECT_DUPLICATE_TRIANGLE)
-		truth(t, "opposite", !mp_same_winding(r->tri[pair[0]], r->tri[pair[1]]));
+	if (kind == MP_DEFECT_DUPLICATE_TRIANGLE) {
+		API_TEXT_MEMBER(t, "opposite");
+		api_text_bool(t, !mp_same_winding(r->tri[pair[0]], r->tri[pair[1]]));
+	}
 }
 
 static void defect(struct api_text *t, const struct mp_report *r, enum mp_defect_kind kind,
@@ -192,10 +189,10 @@ bool api_defects_text(const struct mp_report *r, enum mp_defect_kind kind, size_
 		      struct api_text *out)
 {
 	const struct mp_defect_list *d = &r->topology.defect[kind];
-	size_t i = 0;
+	size_t i = 0, at = out->len;
 
 	api_text_say(out, "[");
-	for (; i < d->count && out->len < most && !out->failed; i++) {
+	for (; i < d->count && out->len - at < most && !out->failed; i++) {
 		if (i > 0)
 			api_text_say(out, ",");
 		defect(out, r, kind, i);
@@ -210,8 +207,12 @@ static void message(struct api_text *t, size_t row, const char *text, const stru
 	struct api_text all = {0};
 	unsigned named = 0;
 
+	if (row != MP_WARN_NON_ORIENTABLE) {
+		api_text_string(t, text, strlen(text));
+		return;
+	}
 	api_text_say(&all, text);
-	for (uint32_t i = 0; row == MP_WARN_NON_ORIENTABLE && i < r->bodies_listed; i++) {
+	for (uint32_t i = 0; i < r->bodies_listed; i++) {
 		if (r->body[i].orientable || ++named > MOST_NAMED)
 			continue;
 		api_text_say(&all, named == 1 ? " Bodies: " : ", ");
@@ -238,7 +239,7 @@ size_t api_warnings_text(const struct mp_report *r, const struct api_options *o,
 			continue;
 		api_text_say(out, listed++ > 0 ? ",{\"code\":" : "{\"code\":");
 		api_text_string(out, w->code, strlen(w->code));
-		member(out, "message");
+		API_TEXT_MEMBER(out, "message");
 		message(out, i, w->message, r);
 		api_text_say(out, "}");
 	}

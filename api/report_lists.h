@@ -10,7 +10,7 @@
 void api_bodies_text(const struct mp_report *, struct api_text *out);
 
 /*
- * One kind of defects, listed while ${out} is shorter than ${most} bytes: a mesh of many long
+ * One kind of defects, listed while the list is shorter than ${most} bytes: a mesh of many long
  * boundary loops could make gigabytes of them.  Returns whether all were listed.
  */
 bool api_defects_text(const struct mp_report *, enum mp_defect_kind kind, size_t most,

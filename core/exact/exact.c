@@ -11,6 +11,7 @@ static const int AXES[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
 struct sums {
 	struct mp_fixed fixed[MP_EXACT_SUMS];
 	mp_i128 digits[MP_EXACT_SUMS][MP_EXACT_COLUMNS];
+	bool off_grid; /* not all of them went through fixed */
 	struct mp_big gmp[MP_EXACT_SUMS + 3];
 };
 
@@ -31,6 +32,7 @@ static void add_off_grid(const struct mp_mesh *mesh, const struct mp_exact_grid 
 {
 	double tri[9];
 
+	sums->off_grid = true;
 	for (int k = 0; k < 3; k++)
 		mp_vertices_get(mesh->vertices, corner[k], &tri[3 * k]);
 	if (grid->bits == 0 || !mp_exact_digits_add(sums->digits, grid, tri))
@@ -81,6 +83,8 @@ static void join(const struct mp_exact_axis axis[3], struct sums *sums)
 			mp_fixed_negate(fixed);
 		mp_big_set_limbs(&x, sign, fixed->limb, MP_FIXED_LIMBS, unit);
 		mp_big_add(&sums->gmp[i], &x, 1, &sums->gmp[i]);
+		if (!sums->off_grid)
+			continue;
 		mp_exact_digits_get((const mp_i128 *)sums->digits[i], unit, coordinates, &x);
 		mp_big_add(&sums->gmp[i], &x, 1, &sums->gmp[i]);
 	}
@@ -104,10 +108,14 @@ int mp_exact_pack(const struct mp_exact_axis axis[3], bool mapped,
 	memmove(out->axis, axis, sizeof out->axis);
 	limbs = 0;
 	for (int i = 0; i < sums; i++) {
+		int k = 0;
+
+		while (k < sum[i].n && sum[i].d[k] == 0)
+			k++; /* what everybody would multiply in vain */
 		out->sum[i].sign = sum[i].sign;
-		out->sum[i].exponent = sum[i].exponent;
+		out->sum[i].exponent = sum[i].exponent + 64 * k;
 		out->sum[i].at = limbs;
-		for (int k = 0; k < sum[i].n; k++)
+		for (; k < sum[i].n; k++)
 			out->limb[limbs++] = sum[i].d[k];
 		out->sum[i].end = limbs;
 	}
@@ -122,6 +130,7 @@ int mp_exact_find(const struct mp_mesh *mesh, const struct mp_exact_grid *grid,
 	memset(out, 0, sizeof *out);
 	memset(sums.fixed, 0, sizeof sums.fixed);
 	memset(sums.digits, 0, sizeof sums.digits);
+	sums.off_grid = false;
 	for (int i = 0; i < MP_EXACT_SUMS; i++)
 		mp_big_set(&sums.gmp[i], 0, 0, 0);
 	add_all(mesh, grid, order, count, &sums);

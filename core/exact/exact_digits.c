@@ -19,6 +19,8 @@
  */
 enum { STEP = 54, DIGIT = 60, MOST_DIGITS = 10 };
 
+enum { LIMBS = 11 }; /* of 64 bits, for the whole sum of 613 and its sign */
+
 #define DIGIT_MASK (((mp_u128)1 << DIGIT) - 1)
 
 static const int AXES[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
@@ -140,17 +142,36 @@ bool mp_exact_digits_add(mp_i128 sum[MP_EXACT_SUMS][MP_EXACT_COLUMNS],
 	return true;
 }
 
+/* limbs += digit * 2^bit, in two's complement: digits are sums, longer than 60 bits. */
+static void add_limbs(uint64_t limb[LIMBS], mp_i128 digit, int bit)
+{
+	uint64_t sign = digit < 0 ? UINT64_MAX : 0;
+	int shift = bit % 64;
+	mp_u128 low = (mp_u128)(uint64_t)digit << shift;
+	mp_u128 high = ((mp_u128)sign << 64 | (uint64_t)(digit >> 64)) << shift;
+	const uint64_t word[3] = {(uint64_t)low, (uint64_t)(low >> 64) | (uint64_t)high,
+				  (uint64_t)(high >> 64)};
+	mp_u128 sum = 0;
+
+	for (int i = bit / 64, k = 0; i < LIMBS; i++, k++) {
+		sum = (sum >> 64) + limb[i] + (k < 3 ? word[k] : sign);
+		limb[i] = (uint64_t)sum;
+	}
+}
+
 void mp_exact_digits_get(const mp_i128 sum[MP_EXACT_COLUMNS], int unit, int coordinates,
 			 struct mp_big *out)
 {
-	mp_big_set(out, 0, 0, 0);
-	for (int i = 0; i < MP_EXACT_COLUMNS; i++) {
-		mp_u128 size = sum[i] < 0 ? -(mp_u128)sum[i] : (mp_u128)sum[i];
-		const uint64_t limb[2] = {(uint64_t)size, (uint64_t)(size >> 64)};
-		struct mp_big x;
+	uint64_t limb[LIMBS] = {0};
+	bool negative;
 
-		mp_big_set_limbs(&x, sum[i] < 0 ? -1 : 1, limb, 2,
-				 unit - STEP * coordinates + DIGIT * i);
-		mp_big_add(out, &x, 1, out);
+	for (int i = 0; i < MP_EXACT_COLUMNS; i++)
+		if (sum[i] != 0)
+			add_limbs(limb, sum[i], DIGIT * i);
+	negative = limb[LIMBS - 1] >> 63 != 0;
+	for (int i = 0, carry = 1; i < LIMBS && negative; i++) {
+		limb[i] = ~limb[i] + (uint64_t)carry;
+		carry = carry != 0 && limb[i] == 0;
 	}
+	mp_big_set_limbs(out, negative ? -1 : 1, limb, LIMBS, unit - STEP * coordinates);
 }

@@ -50,6 +50,40 @@ static bool divide(const struct mp_big *num, const struct mp_big *den, int bits,
 	return false;
 }
 
+/* The ${bits} <= 128 leading bits of |x|, zeros behind it where it is shorter; ${*all}: no other.
+ */
+static mp_u128 leading(const struct mp_big *x, int bits, bool *all)
+{
+	int n = x->n, zeros = __builtin_clzll(x->d[n - 1]), width = 64 * n - zeros;
+	mp_u128 top = (mp_u128)x->d[n - 1] << 64 | (n > 1 ? x->d[n - 2] : 0);
+
+	top <<= zeros;
+	if (n > 2 && zeros > 0)
+		top |= x->d[n - 3] >> (64 - zeros);
+	*all = width <= bits;
+	return top >> (128 - bits);
+}
+
+/*
+ * divide() for QUOTIENT bits, from the leading ones: n of 120, d of 64, so 2^55 < n/d < 2^57.  What
+ * was cut off is less than 1 of either, so the true ratio is above n/d - n/d^2 > n/d - 2^57/d and
+ * below n/d + 1/d: it lies between the same integers where the remainder is not that near to either
+ * end.  False where that cannot be told.
+ */
+static bool divide_leading(const struct mp_big *num, const struct mp_big *den, struct chopped *x)
+{
+	bool all_num, all_den;
+	mp_u128 n = leading(num, 120, &all_num);
+	uint64_t d = (uint64_t)leading(den, 64, &all_den), rest, margin = (uint64_t)1 << 57;
+
+	x->size = (uint64_t)(n / d);
+	rest = (uint64_t)(n - (mp_u128)x->size * d);
+	x->exponent =
+	    num->exponent + mp_big_bits(num) - 120 - (den->exponent + mp_big_bits(den) - 64);
+	x->more = rest != 0;
+	return (all_num && all_den) || (rest >= margin && rest < d - 1);
+}
+
 /* x rounded to nearest, ties to even, as a multiple of 2^LOWEST where it is subnormal. */
 static double nearest(const struct chopped *x, bool *exact)
 {
@@ -107,8 +141,10 @@ void mp_exact_round_quotient(const struct mp_big *num, const struct mp_big *den,
 		*out = (struct mp_exact_value){0, 0, true};
 		return;
 	}
-	x.more = divide(num, den, QUOTIENT, false, quotient, &x.exponent);
-	x.size = quotient[0];
+	if (!divide_leading(num, den, &x)) {
+		x.more = divide(num, den, QUOTIENT, false, quotient, &x.exponent);
+		x.size = quotient[0];
+	}
 	deliver(&x, num->sign, tiny, out);
 }
 

@@ -132,27 +132,31 @@ static void add_five(struct mp_big *io, const struct mp_big *a, const struct mp_
 	mp_big_add(io, &x, side, io);
 }
 
-/* Numerators over 480*A0 of the second moments about ${about}, NULL for the centroid. */
-static void find_second(const struct mp_exact *e, const double *about, struct mp_big out[6])
+/* Numerators over 480*A0 of the central second moments. */
+static void find_central(const struct mp_exact *e, struct mp_big out[6])
 {
-	struct mp_big first[3], arm[3], a0, a2;
+	struct mp_big first[3], a0, a2;
 
 	mp_exact_get(e, 0, &a0);
 	mp_big_scale(&a0, 4);
-	for (int k = 0; k < 3; k++) {
+	for (int k = 0; k < 3; k++)
 		mp_exact_get(e, 1 + k, &first[k]);
-		if (about != NULL)
-			find_arm(e, k, about, &arm[k]);
-	}
 	for (int k = 0; k < 6; k++) {
-		int i = AXES[k][0], j = AXES[k][1];
-
 		mp_exact_get(e, 4 + k, &a2);
 		mp_big_mul(&a0, &a2, &out[k]);
-		add_five(&out[k], &first[i], &first[j], -1);
-		if (about != NULL)
-			add_five(&out[k], &arm[i], &arm[j], 1);
+		add_five(&out[k], &first[AXES[k][0]], &first[AXES[k][1]], -1);
 	}
+}
+
+/* From there to those about ${about}. */
+static void move(const struct mp_exact *e, const double about[3], struct mp_big io[6])
+{
+	struct mp_big arm[3];
+
+	for (int k = 0; k < 3; k++)
+		find_arm(e, k, about, &arm[k]);
+	for (int k = 0; k < 6; k++)
+		add_five(&io[k], &arm[AXES[k][0]], &arm[AXES[k][1]], 1);
 }
 
 bool mp_exact_second(const struct mp_exact *e, struct mp_exact_value out[6])
@@ -163,7 +167,7 @@ bool mp_exact_second(const struct mp_exact *e, struct mp_exact_value out[6])
 	set_undefined(out, 6);
 	if (mp_exact_sign(e) == 0)
 		return false;
-	find_second(e, NULL, num);
+	find_central(e, num);
 	get_size(e, &den);
 	mp_big_scale(&den, 480);
 	for (int k = 0; k < 6; k++) {
@@ -185,22 +189,21 @@ static void find_entry(const struct mp_big second[6], int k, struct mp_big *out)
 	out->sign = -out->sign;
 }
 
-void mp_exact_inertia(const struct mp_exact *e, const struct mp_exact_density *density,
-		      const double about[3], struct mp_exact_tensor *out)
+/* The tensor of those second moments. */
+static void round_tensor(const struct mp_exact *e, const struct mp_exact_density *density,
+			 const struct mp_big second[6], struct mp_exact_tensor *out)
 {
-	struct mp_big second[6], num, den;
-	bool defined = mp_exact_sign(e) != 0;
+	struct mp_big num, den, whole;
+	bool defined = true;
 
-	memset(out, 0, sizeof *out);
-	if (defined)
-		find_second(e, about, second);
+	get_size(e, &whole);
+	mp_big_scale(&whole, 480);
 	for (int k = 0; k < 6 && defined; k++) {
 		struct mp_exact_value x;
 		int i = AXES[k][0], j = AXES[k][1];
 
-		get_size(e, &den);
-		mp_big_scale(&den, 480);
 		find_entry(second, k, &num);
+		mp_big_copy(&den, &whole);
 		set_undefined(&x, 1);
 		if (apply_density(density, &num, &den))
 			mp_exact_round_quotient(&num, &den, k >= 3, &x);
@@ -214,13 +217,42 @@ void mp_exact_inertia(const struct mp_exact *e, const struct mp_exact_density *d
 	out->defined = defined;
 }
 
+void mp_exact_inertias(const struct mp_exact *e, const struct mp_exact_density *density,
+		       const double about[3], struct mp_exact_tensor *central,
+		       struct mp_exact_tensor *moved)
+{
+	struct mp_big second[6];
+
+	if (central != NULL)
+		memset(central, 0, sizeof *central);
+	if (moved != NULL)
+		memset(moved, 0, sizeof *moved);
+	if (mp_exact_sign(e) == 0)
+		return;
+	find_central(e, second);
+	if (central != NULL)
+		round_tensor(e, density, (const struct mp_big *)second, central);
+	if (moved == NULL)
+		return;
+	move(e, about, second);
+	round_tensor(e, density, (const struct mp_big *)second, moved);
+}
+
+void mp_exact_inertia(const struct mp_exact *e, const struct mp_exact_density *density,
+		      const double about[3], struct mp_exact_tensor *out)
+{
+	mp_exact_inertias(e, density, about, about == NULL ? out : NULL,
+			  about == NULL ? NULL : out);
+}
+
 /* d.T.d over 480*|A0|*${square}, square = d.d, T the tensor of density 1 about ${origin}. */
 static void find_moment(const struct mp_exact *e, const double origin[3], const double direction[3],
 			struct mp_big *num, struct mp_big *square)
 {
 	struct mp_big second[6], d[3], x, y;
 
-	find_second(e, origin, second);
+	find_central(e, second);
+	move(e, origin, second);
 	mp_big_set(num, 0, 0, 0);
 	mp_big_set(square, 0, 0, 0);
 	for (int k = 0; k < 3; k++)

@@ -98,11 +98,28 @@ static void set_inertia(const struct mp_request *request, const struct mp_solid 
 		fits = fits && r->axis_defined;
 	}
 	mp_warn(r, MP_WARN_OUT_OF_RANGE, !fits);
+}
+
+void mp_report_certify(const struct mp_solid *whole, const struct mp_solid *heavy,
+		       const struct mp_density *density, struct mp_report *r)
+{
+	struct mp_ball mass = mp_mass_ball(heavy, density);
+
 	if (r->total.inertia_defined)
-		mp_report_principal(r,
-				    mp_bounds_of_tensor(whole, mp_mass_ball(whole, density),
-							(const double(*)[3])r->total.inertia),
-				    mp_mass_ball(whole, density));
+		mp_report_principal(
+		    r, mp_bounds_of_tensor(heavy, mass, (const double(*)[3])r->total.inertia),
+		    mass);
+	mp_bounds_find(whole, heavy, mass, r);
+}
+
+/* No principal moment will be beyond the range of doubles, which would undo the tensor. */
+static bool is_moderate(const struct mp_mass *m)
+{
+	double most = 0;
+
+	for (int i = 0; i < 9; i++)
+		most = fmax(most, fabs(m->inertia[i / 3][i % 3]));
+	return most < DBL_MAX / 16;
 }
 
 void mp_report_warn_file(struct mp_report *r)
@@ -174,7 +191,8 @@ static void set_total(const struct mp_solid *whole, const struct mp_solid *heavy
 
 void mp_report_masses(const struct mp_request *request, const struct mp_mesh *mesh,
 		      const struct mp_named *named, const struct mp_box *box,
-		      struct mp_solid *whole, struct mp_density *density, struct mp_report *r)
+		      struct mp_solid *whole, struct mp_density *density, bool *later,
+		      struct mp_report *r)
 {
 	const struct mp_solid *heavy = whole;
 	bool closed = mp_has_volume(&r->topology);
@@ -191,7 +209,9 @@ void mp_report_masses(const struct mp_request *request, const struct mp_mesh *me
 	set_total(whole, heavy, closed, density, r);
 	set_surface(whole, r);
 	set_inertia(request, heavy, density, r);
-	mp_bounds_find(whole, heavy, mp_mass_ball(heavy, density), r);
+	*later = *later && heavy == whole && is_moderate(&r->total);
+	if (!*later)
+		mp_report_certify(whole, heavy, density, r);
 }
 
 /* Who estimates uncertainties gets to see what they are made of, while it is in the cache. */
@@ -221,6 +241,7 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	struct mp_uncertainty_state rounded;
 	struct mp_solid whole, stored; /* stored: in the file's frame, as box */
 	struct mp_box box;
+	bool later = true; /* exact numbers may come in the place of the certified ones */
 
 	memcpy(box.min, a->moments.min, sizeof box.min);
 	memcpy(box.max, a->moments.max, sizeof box.max);
@@ -239,7 +260,9 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 		r->by_index = a->by_index;
 	mp_index_compare(&r->by_index, &r->topology);
 	stored = whole;
-	mp_report_masses(request, &mesh, named, &box, &whole, &density, r);
+	mp_report_masses(request, &mesh, named, &box, &whole, &density, &later, r);
+	x->certified = later ? &whole : NULL;
+	x->density = &density;
 	if (mp_report_exact_whole(x, request, &mesh, bodies, r, err) ||
 	    mp_report_uncertainty(request, &mesh, &box, &stored, &rounded, r, err))
 		return -1;

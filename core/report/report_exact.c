@@ -55,13 +55,19 @@ struct values {
 	bool has_centroid;
 };
 
+/* ${about_origin}: the tensor about there, or NULL. */
 static void evaluate(const struct mp_exact *e, const struct mp_exact_density *density,
-		     struct values *v)
+		     struct values *v, struct mp_exact_tensor *about_origin)
 {
+	static const double origin[3];
+
 	mp_exact_volume(e, &v->volume);
-	mp_exact_mass(e, density, &v->mass);
+	v->mass = v->volume;
+	v->mass.value = fabs(v->mass.value);
+	if (density != NULL)
+		mp_exact_mass(e, density, &v->mass);
 	v->has_centroid = mp_exact_centroid(e, v->centroid);
-	mp_exact_inertia(e, density, NULL, &v->inertia);
+	mp_exact_inertias(e, density, origin, &v->inertia, about_origin);
 }
 
 static void put_mass(const struct values *v, struct mp_mass *m)
@@ -152,10 +158,25 @@ static void revive(struct mp_mass *m)
 	m->inertia_defined = m->mass_defined;
 }
 
-static void put_whole(const struct mp_request *request, const struct mp_exact *e,
-		      const struct mp_exact_density *density, struct mp_report *r)
+static void certify(const struct mp_report_exact *x, struct mp_report *r)
 {
-	static const double origin[3];
+	if (x->certified != NULL)
+		mp_report_certify(x->certified, x->certified, x->density, r);
+}
+
+/* What is certified of the results in all cases. */
+static void certify_area(const struct mp_report_exact *x, struct mp_report *r)
+{
+	const struct mp_solid *s = x->certified;
+
+	if (s != NULL && r->total.area_defined)
+		r->bounds.area = mp_ball_distance(mp_ball(s->area, s->area_bound), r->total.area);
+}
+
+static void put_whole(const struct mp_report_exact *x, const struct mp_request *request,
+		      const struct mp_exact *e, const struct mp_exact_density *density,
+		      struct mp_report *r)
+{
 	struct mp_mass before = r->total;
 	bool origin_before = r->inertia_origin_defined;
 	struct mp_exact_tensor about_origin;
@@ -163,6 +184,7 @@ static void put_whole(const struct mp_request *request, const struct mp_exact *e
 	struct values v;
 
 	if (mp_exact_sign(e) == 0) {
+		certify(x, r);
 		if (r->total.volume != 0)
 			return;
 		r->bounds.volume = 0;
@@ -173,13 +195,14 @@ static void put_whole(const struct mp_request *request, const struct mp_exact *e
 		revive(&r->total);
 		r->inertia_origin_defined = r->total.inertia_defined;
 	}
-	evaluate(e, density, &v);
-	mp_exact_inertia(e, density, origin, &about_origin);
+	evaluate(e, density, &v, &about_origin);
 	if (!all_defined(&v, &about_origin, r)) {
 		r->total = before;
 		r->inertia_origin_defined = origin_before;
+		certify(x, r);
 		return;
 	}
+	certify_area(x, r);
 	put_mass(&v, &r->total);
 	put_inertia(request, e, density, &about_origin, r);
 	put_bounds(request, &v, r);
@@ -226,27 +249,38 @@ static int settle_winding(const struct mp_mesh *mesh, const struct mp_exact_grid
 	return 0;
 }
 
+/* 1: exact numbers cannot be had; -1: memory is out. */
+static int find_whole(struct mp_report_exact *x, const struct mp_request *request,
+		      const struct mp_mesh *mesh, struct mp_bodies *bodies, struct mp_report *r,
+		      struct mp_exact *whole, struct mp_error *err)
+{
+	if (!possible(request, r))
+		return 1;
+	if (mp_exact_grid_find(mesh, &x->grid, err))
+		return -1;
+	x->wanted = request->precision == MP_WISH_EXACT || r->triangles <= most_by_width(&x->grid);
+	if (!x->wanted)
+		return 1;
+	if (settle_winding(mesh, &x->grid, r, bodies, err))
+		return -1;
+	if (!mp_has_volume(&r->topology) || !r->total.volume_defined)
+		return 1;
+	return find_mapped(mesh, &x->grid, r, NULL, mesh->triangles, whole, err);
+}
+
 int mp_report_exact_whole(struct mp_report_exact *x, const struct mp_request *request,
 			  const struct mp_mesh *mesh, struct mp_bodies *bodies, struct mp_report *r,
 			  struct mp_error *err)
 {
 	struct mp_exact_density made;
 	struct mp_exact whole;
+	int found = find_whole(x, request, mesh, bodies, r, &whole, err);
 
-	if (!possible(request, r))
-		return 0;
-	if (mp_exact_grid_find(mesh, &x->grid, err))
-		return -1;
-	x->wanted = request->precision == MP_WISH_EXACT || r->triangles <= most_by_width(&x->grid);
-	if (!x->wanted)
-		return 0;
-	if (settle_winding(mesh, &x->grid, r, bodies, err))
-		return -1;
-	if (!mp_has_volume(&r->topology) || !r->total.volume_defined)
-		return 0;
-	if (find_mapped(mesh, &x->grid, r, NULL, mesh->triangles, &whole, err))
-		return -1;
-	put_whole(request, &whole, density_of(request, &whole, &made), r);
+	if (found > 0)
+		certify(x, r);
+	if (found != 0)
+		return found < 0 ? -1 : 0;
+	put_whole(x, request, &whole, density_of(request, &whole, &made), r);
 	mp_exact_free(&whole);
 	return 0;
 }
@@ -260,7 +294,7 @@ static void put_body(const struct mp_exact *e, const struct mp_exact_density *de
 		return;
 	if (!body->mass.centroid_defined)
 		revive(&body->mass);
-	evaluate(e, density, &v);
+	evaluate(e, density, &v, NULL);
 	put_mass(&v, &body->mass);
 }
 

@@ -37,10 +37,20 @@ int mp_report_no_stream(struct mp_error *err);
  * Volume, mass, inertia and the like of the whole, by report->topology.closed and cracks_only.
  * ${named}: all 0 where names have no densities.  ${*density}: what makes masses of volumes.
  * ${mesh} and ${box}, of the file, may be NULL where there is no map; else ${*whole} is mapped.
+ * ${*later}: principal axes and bounds may be left to mp_report_certify(); becomes whether they
+ * are.
  */
 void mp_report_masses(const struct mp_request *request, const struct mp_mesh *mesh,
 		      const struct mp_named *named, const struct mp_box *box,
-		      struct mp_solid *whole, struct mp_density *density, struct mp_report *report);
+		      struct mp_solid *whole, struct mp_density *density, bool *later,
+		      struct mp_report *report);
+
+/*
+ * Principal axes of report->total, and the bounds of everything in it: they take as long as all
+ * else for a small part, and exact numbers have their own.  ${heavy}: the whole by its mass.
+ */
+void mp_report_certify(const struct mp_solid *whole, const struct mp_solid *heavy,
+		       const struct mp_density *density, struct mp_report *report);
 
 /* Warnings that need no table. */
 void mp_report_warn_file(struct mp_report *report);
@@ -60,6 +70,8 @@ int mp_report_crossings(const struct mp_request *request, const struct mp_mesh *
 /* Exact numbers beside the certified ones; all 0 is ready. */
 struct mp_report_exact {
 	bool wanted;
+	const struct mp_solid *certified; /* what is still to be certified, NULL: it is */
+	const struct mp_density *density; /* by which it weighs */
 	struct mp_exact_grid grid;
 };
 
@@ -68,7 +80,8 @@ struct mp_report_exact {
  * that are rounded once from exact numbers in the place of the certified ones of the whole, with
  * their bounds, and settle the winding of bodies whose volume could not be told from 0.  Before
  * verdicts are given.  The certified ones stay where names have densities of their own, where
- * some exact result is beyond the range of doubles, and for what is not closed.
+ * some exact result is beyond the range of doubles, and for what is not closed; they are certified
+ * then, where x->certified says so.
  * -1: memory is out.  Free ${x} with mp_report_exact_free(), after a failure too.
  */
 int mp_report_exact_whole(struct mp_report_exact *x, const struct mp_request *request,

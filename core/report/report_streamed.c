@@ -84,6 +84,7 @@ int mp_report_streamed(const struct mp_analysis *a, const struct mp_request *req
 	static const struct mp_named nobody = {0};
 	struct mp_density density;
 	struct mp_solid whole;
+	bool later = false;
 
 	r->streamed = true;
 	memcpy(r->box.min, a->moments.min, sizeof r->box.min);
@@ -95,7 +96,7 @@ int mp_report_streamed(const struct mp_analysis *a, const struct mp_request *req
 		return -1;
 	}
 	solve(a, r, &whole);
-	mp_report_masses(request, NULL, &nobody, NULL, &whole, &density, r);
+	mp_report_masses(request, NULL, &nobody, NULL, &whole, &density, &later, r);
 	mp_report_warn_file(r);
 	judge(r);
 	return 0;

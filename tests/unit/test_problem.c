@@ -275,7 +275,7 @@ static void any_failed_allocation_gives_null(void **state)
 		assert_in_range(n, 1, 200);
 	}
 	alloc_fail_at(0);
-	assert_true(n > 20);
+	assert_true(n > 10);
 	free(text);
 }
 
