@@ -6,7 +6,7 @@
 #include "core/topology/vertex_bits.h"
 
 enum {
-	BITS = 13,  /* 128 kB (doubles: 256), less than the second level of processors' caches */
+	BITS = 15,  /* 512 kB (doubles: 1 MB): two rows of a mesh of ten million triangles */
 	TRIAL = 16, /* batches between judgements */
 	PAUSE = 512 /* batches until the next trial where the last one was no use */
 };
