@@ -31,4 +31,14 @@ static inline void mp_second_wait(const struct mp_second *second)
 		second->wait(second->self);
 }
 
+/* work(one) here and work(other) by the second thread; without one, ${other} is not worked on. */
+static inline void mp_second_share(const struct mp_second *second, void (*work)(void *arg),
+				   void *one, void *other)
+{
+	if (second != NULL)
+		second->begin(second->self, work, other);
+	work(one);
+	mp_second_wait(second);
+}
+
 #endif

@@ -1,3 +1,4 @@
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,7 +14,73 @@
  * other's only neighbours, a ring of two links: where no ring is that short there are none.  And
  * triangles that share a vertex hang together through edges, so bodies are sets of vertices.
  */
-enum { AHEAD = 24 }; /* what to prefetch for: about the latency of memory */
+enum {
+	AHEAD = 24, /* what to prefetch for: about the latency of memory */
+	SOME = 4096 /* triangles at a time */
+};
+
+/* Sets of vertices that hang together, by two threads if there are two. */
+struct joining {
+	const struct mp_mesh *mesh;
+	uint32_t *label;           /* a forest as in disjoint.h, whoever changes it */
+	atomic_uint_fast64_t next; /* triangle to look at, as soon as somebody is free */
+	atomic_int_fast64_t sets;  /* at least */
+	struct joining_half {
+		struct joining *j;
+		uint32_t begin, end; /* vertices */
+	} half[2];
+};
+
+/* Paths become short; each root found is a set. */
+static void count_sets(void *half)
+{
+	const struct joining_half *h = half;
+	uint32_t *label = h->j->label;
+	int_fast64_t sets = 0;
+
+	for (uint32_t v = h->begin; v < h->end; v++)
+		sets += mp_shared_shorten(label, v) == v;
+	atomic_fetch_add_explicit(&h->j->sets, sets, memory_order_relaxed);
+}
+
+static int_fast64_t join_some(const struct joining *j, uint32_t t, uint32_t end)
+{
+	const uint32_t(*tri)[3] = j->mesh->tri;
+	uint32_t *label = j->label, triangles = j->mesh->triangles;
+	int_fast64_t joined = 0;
+
+	for (; t < end; t++) {
+		const uint32_t *v = tri[t];
+
+		for (unsigned k = 0; k < 3 && t + AHEAD < triangles; k++)
+			__builtin_prefetch(&label[tri[t + AHEAD][k]]);
+		for (unsigned k = 0; k < 3 && t + AHEAD / 2 < triangles; k++)
+			__builtin_prefetch(&label[mp_shared_parent(label, tri[t + AHEAD / 2][k])]);
+		if (!mp_has_edges(v))
+			continue;
+		joined += mp_shared_unite(label, v[0], v[1]);
+		joined += mp_shared_unite(label, v[1], v[2]);
+	}
+	return joined;
+}
+
+/* Until all triangles were looked at, or everything hangs together. */
+static void join(void *half)
+{
+	struct joining *j = ((struct joining_half *)half)->j;
+	uint64_t triangles = j->mesh->triangles;
+
+	while (atomic_load_explicit(&j->sets, memory_order_relaxed) > 1) {
+		uint64_t t = atomic_fetch_add_explicit(&j->next, SOME, memory_order_relaxed);
+		int_fast64_t joined;
+
+		if (t >= triangles)
+			break;
+		joined = join_some(j, (uint32_t)t,
+				   (uint32_t)(triangles - t < SOME ? triangles : t + SOME));
+		atomic_fetch_sub_explicit(&j->sets, joined, memory_order_relaxed);
+	}
+}
 
 /*
  * The smallest neighbours alone leave few sets, in a mesh whose triangles come side by side just
@@ -22,26 +89,16 @@ enum { AHEAD = 24 }; /* what to prefetch for: about the latency of memory */
 static uint32_t connect(struct mp_rings *r)
 {
 	const struct mp_mesh *mesh = r->mesh;
-	uint32_t sets = 0;
+	struct joining j = {.mesh = mesh, .label = r->label};
+	bool two = mesh->second != NULL && mesh->triangles > r->room.alone;
 
-	for (uint32_t v = 0; v < r->vertices; v++)
-		sets += r->label[v] == v;
-	sets -= r->vertices - (uint32_t)r->used; /* each of them is by itself */
-	for (uint32_t t = 0; t < mesh->triangles && sets > 1; t++) {
-		const uint32_t *v = mesh->tri[t];
-
-		for (unsigned k = 0; k < 3 && t + AHEAD < mesh->triangles; k++)
-			__builtin_prefetch(&r->label[mesh->tri[t + AHEAD][k]]);
-		for (unsigned k = 0; k < 3 && t + AHEAD / 2 < mesh->triangles; k++)
-			__builtin_prefetch(&r->label[r->label[mesh->tri[t + AHEAD / 2][k]]]);
-		if (!mp_has_edges(v))
-			continue;
-		if (r->label[v[0]] != r->label[v[1]])
-			sets -= mp_set_unite(r->label, v[0], v[1]);
-		if (r->label[v[1]] != r->label[v[2]])
-			sets -= mp_set_unite(r->label, v[1], v[2]);
-	}
-	return sets;
+	j.half[0] = (struct joining_half){&j, 0, two ? r->vertices / 2 : r->vertices};
+	j.half[1] = (struct joining_half){&j, j.half[0].end, r->vertices};
+	atomic_init(&j.next, 0);
+	atomic_init(&j.sets, -(int_fast64_t)(r->vertices - r->used)); /* each is by itself */
+	mp_second_share(two ? mesh->second : NULL, count_sets, &j.half[0], &j.half[1]);
+	mp_second_share(two ? mesh->second : NULL, join, &j.half[0], &j.half[1]);
+	return (uint32_t)atomic_load(&j.sets);
 }
 
 /* Bodies by their smallest triangle; ${number}: of each root, UINT32_MAX before. */

@@ -13,13 +13,7 @@
 
 void mp_rings_share(struct mp_rings_look *l, void (*work)(void *side))
 {
-	const struct mp_second *second = l->r->mesh->second;
-
-	if (l->sides == 2)
-		mp_second_begin(second, work, &l->side[1]);
-	work(&l->side[0]);
-	if (l->sides == 2)
-		mp_second_wait(second);
+	mp_second_share(l->sides == 2 ? l->r->mesh->second : NULL, work, &l->side[0], &l->side[1]);
 }
 
 static struct mp_rings_span span_of(const uint32_t *corner, size_t count)
@@ -256,15 +250,6 @@ static void end(struct mp_rings_look *l)
 	free(l->link);
 }
 
-/* Smallest neighbours become roots: in this order those of smaller vertices are already. */
-static void settle(const struct mp_rings *r)
-{
-	uint32_t *label = r->label;
-
-	for (uint32_t v = 0; v < r->vertices; v++)
-		label[v] = label[label[v]];
-}
-
 int mp_rings_find(struct mp_rings *r)
 {
 	const struct mp_mesh *mesh = r->mesh;
@@ -280,7 +265,5 @@ int mp_rings_find(struct mp_rings *r)
 	l.side[0].good = l.side[1].good = 1;
 	good = look(&l);
 	end(&l);
-	if (good == 1)
-		settle(r);
 	return good;
 }

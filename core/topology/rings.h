@@ -19,8 +19,8 @@ struct mp_rings {
 /*
  * 1 if every vertex that is used has one ring of three links or more that meets no neighbour twice,
  * 0 if not or if that cannot be told within the room, -1 where memory is out.  When 1: label[v] <=
- * v is a vertex that is connected with v through edges; itself where v is not used; and label[v] is
- * its own label.
+ * v is the smallest vertex that shares an edge with v; itself where none is smaller or v is not
+ * used.
  */
 int mp_rings_find(struct mp_rings *);
 
