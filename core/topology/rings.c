@@ -243,6 +243,7 @@ static void end(struct mp_rings_look *l)
 	for (unsigned i = 0; i < l->sides; i++) {
 		mp_ring_window_free(&l->side[i].w);
 		free(l->side[i].links);
+		free(l->side[i].place);
 	}
 	free(l->span);
 	free(l->block);

@@ -10,6 +10,7 @@
  */
 enum {
 	AHEAD = 16, /* what to prefetch for: about the latency of a cache */
+	APART = 16, /* links: what two threads write does not lie in one line of a cache */
 	/* A narrow link, 8 bytes: vertex in its window << 50 | leaves << 25 | comes. */
 	WINDOW_BITS = 14,
 	VERTEX_BITS = 25
@@ -40,55 +41,44 @@ INLINE void put(void *link, uint64_t at, struct mp_ring_link x, uint32_t window,
 					 (uint64_t)x.leaves << VERTEX_BITS | x.comes;
 }
 
-/* Without a branch for each corner: which of them are wanted is anybody's guess. */
-static uint32_t choose(const struct mp_rings_look *l, const uint32_t (*tri)[3], uint32_t count,
-		       uint16_t *corner)
-{
-	uint32_t low = (uint32_t)l->from, windows = (uint32_t)(l->to - l->from), n = 0;
-	unsigned shift = l->shift;
-
-	for (uint32_t t = 0; t < count; t++) {
-		bool used = mp_has_edges(tri[t]);
-
-		for (uint32_t k = 0; k < 3; k++) {
-			corner[n] = (uint16_t)(4 * t + k);
-			n += used & ((tri[t][k] >> shift) - low < windows);
-		}
-	}
-	return n;
-}
-
-INLINE void scatter_block(const struct mp_rings_side *s, uint32_t b, bool wide)
+/*
+ * Without a branch for each corner: which of them are wanted is anybody's guess.  Those that are
+ * not go where nothing is.
+ */
+INLINE void scatter_as(const struct mp_rings_side *s, bool wide)
 {
 	const struct mp_rings_look *l = s->look;
-	uint32_t begin = b * MP_RINGS_BLOCK, window = l->window;
-	const uint32_t(*tri)[3] = l->r->mesh->tri + begin;
-	uint16_t corner[3 * MP_RINGS_BLOCK + 1];
-	uint32_t n = choose(l, tri, mp_rings_block_end(l->r, b) - begin, corner);
+	const uint32_t(*tri)[3] = l->r->mesh->tri;
+	uint32_t t = s->begin * MP_RINGS_BLOCK,
+		 end = s->begin == s->end ? t : mp_rings_block_end(l->r, s->end - 1);
+	const uint32_t window = l->window;
+	struct mp_rings_place *place = s->place;
 	unsigned shift = l->shift;
-	uint64_t *to = s->links;
 	void *link = l->link;
 
-	for (uint32_t i = 0; i < n; i++) {
-		const uint32_t *v = tri[corner[i] / 4];
-		unsigned k = corner[i] % 4;
+	for (; t < end; t++) {
+		const uint32_t *v = tri[t];
 
-		put(link, to[v[k] >> shift]++,
-		    (struct mp_ring_link){v[k], v[k == 2 ? 0 : k + 1], v[k == 0 ? 2 : k - 1]},
-		    window, wide);
+		if (!mp_has_edges(v))
+			continue;
+		for (unsigned k = 0; k < 3; k++) {
+			struct mp_rings_place *p = &place[v[k] >> shift];
+			struct mp_ring_link x = {v[k], v[(k + 1) % 3], v[(k + 2) % 3]};
+
+			put(link, p->next, x, window, wide);
+			p->next += p->step;
+		}
 	}
 }
 
 static void scatter(void *side)
 {
-	struct mp_rings_side *s = side;
+	const struct mp_rings_side *s = side;
 
 	if (s->look->wide)
-		for (uint32_t b = s->begin; b < s->end; b++)
-			scatter_block(s, b, true);
+		scatter_as(s, true);
 	else
-		for (uint32_t b = s->begin; b < s->end; b++)
-			scatter_block(s, b, false);
+		scatter_as(s, false);
 }
 
 INLINE void add_as(struct mp_rings_side *s, uint64_t i, uint64_t end, bool wide)
@@ -117,22 +107,20 @@ static void add_links(struct mp_rings_side *s, size_t window)
 		add_as(s, begin, end, false);
 }
 
-/*
- * As many windows as there is room for from ${from} on, one at least.  Counts become places: where
- * the links of each side begin, and in first[] where those of a window end.
- */
+/* As many windows as there is room for from ${from} on, one at least: where their links go. */
 static void choose_windows(struct mp_rings_look *l, size_t from, uint64_t room)
 {
 	uint64_t sum = 0;
 	size_t i = from;
 
+	for (size_t k = 0; k < l->windows; k++)
+		for (unsigned side = 0; side < l->sides; side++)
+			l->side[side].place[k] = (struct mp_rings_place){room + side * APART, 0};
 	for (; i < l->windows && (i == from || sum + l->first[i + 1] <= room); i++) {
-		uint64_t n = l->side[0].links[i];
-
-		l->side[0].links[i] = sum;
-		if (l->sides == 2)
-			l->side[1].links[i] = sum + n;
-		sum += l->first[i + 1];
+		for (unsigned side = 0; side < l->sides; side++) {
+			l->side[side].place[i] = (struct mp_rings_place){sum, 1};
+			sum += l->side[side].links[i];
+		}
 		l->first[i + 1] = sum;
 	}
 	l->from = from;
@@ -154,6 +142,18 @@ static uint64_t sum_up(struct mp_rings_look *l, uint64_t *all)
 	return most;
 }
 
+static int begin_places(struct mp_rings_look *l)
+{
+	for (unsigned i = 0; i < l->sides; i++) {
+		struct mp_rings_side *s = &l->side[i];
+
+		s->place = malloc(l->windows * sizeof *s->place);
+		if (s->place == NULL)
+			return -1;
+	}
+	return 0;
+}
+
 int mp_rings_look_far(struct mp_rings_look *l)
 {
 	uint64_t all = 0, most, room = l->r->room.links;
@@ -171,9 +171,10 @@ int mp_rings_look_far(struct mp_rings_look *l)
 	if (room < most)
 		room = most;
 	l->wide = l->r->vertices > VERTICES || l->shift > WINDOW_BITS;
-	size = (size_t)room * (l->wide ? sizeof(struct mp_ring_link) : sizeof(uint64_t));
-	l->link = mp_huge(malloc(size + 1), size);
-	if (l->link == NULL)
+	size =
+	    ((size_t)room + 2 * APART) * (l->wide ? sizeof(struct mp_ring_link) : sizeof(uint64_t));
+	l->link = mp_huge(malloc(size), size);
+	if (l->link == NULL || begin_places(l))
 		return -1;
 	for (size_t i = 0; i < l->windows && good == 1; i = l->to) {
 		choose_windows(l, i, room);

@@ -16,6 +16,10 @@ struct mp_rings_span {
 	uint32_t min, max; /* windows of a block's vertices */
 };
 
+struct mp_rings_place {
+	uint64_t next, step; /* where its next link goes; 1, or 0 if it is not wanted now */
+};
+
 struct mp_rings_look;
 
 struct mp_rings_side { /* what one thread has to itself */
@@ -23,9 +27,10 @@ struct mp_rings_side { /* what one thread has to itself */
 	uint32_t begin, end; /* its half of the blocks */
 	struct mp_ring_window w;
 	uint64_t visits; /* how often its blocks would be read, were they read for each window */
-	uint64_t used, corners; /* of its windows: vertices with links; links */
-	uint64_t *links; /* of its blocks, by window: how many; while they are sorted, where to */
-	int good;        /* as mp_rings_find() */
+	uint64_t used, corners;       /* of its windows: vertices with links; links */
+	uint64_t *links;              /* of its blocks, by window: how many */
+	struct mp_rings_place *place; /* far: of each window */
+	int good;                     /* as mp_rings_find() */
 };
 
 struct mp_rings_look {
