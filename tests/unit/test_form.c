@@ -15,6 +15,7 @@
 #include <zlib.h>
 
 #include "alloc_fail.h"
+#include "cjson_hooks.h"
 #include "api/job.h"
 #include "api/utf8.h"
 #include "tests/unit/mesh_make.h"
@@ -25,27 +26,6 @@ struct body { /* grows at the end */
 };
 
 static struct body form;
-
-static void *hooked_malloc(size_t size) /* so that cJSON's allocations can be made to fail */
-{
-	return malloc(size);
-}
-
-static int hook(void **state)
-{
-	cJSON_Hooks hooks = {hooked_malloc, free};
-
-	(void)state;
-	cJSON_InitHooks(&hooks);
-	return 0;
-}
-
-static int unhook(void **state)
-{
-	(void)state;
-	cJSON_InitHooks(NULL);
-	return 0;
-}
 
 static void add(const void *bytes, size_t len)
 {

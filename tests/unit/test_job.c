@@ -12,32 +12,12 @@
 #include <string.h>
 
 #include "alloc_fail.h"
+#include "cjson_hooks.h"
 #include "api/capabilities.h"
 #include "api/job.h"
 #include "api/options.h"
 #include "api/report_table.h"
 #include "api/utf8.h"
-
-static void *hooked_malloc(size_t size) /* so that cJSON's allocations can be made to fail */
-{
-	return malloc(size);
-}
-
-static int hook(void **state)
-{
-	cJSON_Hooks hooks = {hooked_malloc, free};
-
-	(void)state;
-	cJSON_InitHooks(&hooks);
-	return 0;
-}
-
-static int unhook(void **state)
-{
-	(void)state;
-	cJSON_InitHooks(NULL);
-	return 0;
-}
 
 static double clock_s; /* goes on by a quarter of a second whenever it is read */
 

@@ -13,32 +13,12 @@
 #include <zstd.h>
 
 #include "alloc_fail.h"
+#include "cjson_hooks.h"
 #include "api/job.h"
 #include "tests/unit/draco_seen.h"
 #include "tests/unit/mesh_make.h"
 
 /* Whole requests of every kind, in which each allocation in turn fails. */
-
-static void *hooked_malloc(size_t size) /* so that cJSON's allocations can be made to fail */
-{
-	return malloc(size);
-}
-
-static int hook(void **state)
-{
-	cJSON_Hooks hooks = {hooked_malloc, free};
-
-	(void)state;
-	cJSON_InitHooks(&hooks);
-	return 0;
-}
-
-static int unhook(void **state)
-{
-	(void)state;
-	cJSON_InitHooks(NULL);
-	return 0;
-}
 
 struct body {
 	uint8_t *bytes; /* heap, of exactly the size */

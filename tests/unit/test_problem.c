@@ -10,29 +10,9 @@
 #include <string.h>
 
 #include "alloc_fail.h"
+#include "cjson_hooks.h"
 #include "api/problem.h"
 #include "api/utf8.h"
-
-static void *hooked_malloc(size_t size) /* so that cJSON's allocations can be made to fail */
-{
-	return malloc(size);
-}
-
-static int hook(void **state)
-{
-	cJSON_Hooks hooks = {hooked_malloc, free};
-
-	(void)state;
-	cJSON_InitHooks(&hooks);
-	return 0;
-}
-
-static int unhook(void **state)
-{
-	(void)state;
-	cJSON_InitHooks(NULL);
-	return 0;
-}
 
 /* The table of the contract. */
 static const struct {

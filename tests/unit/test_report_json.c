@@ -12,32 +12,12 @@
 #include <string.h>
 
 #include "alloc_fail.h"
+#include "cjson_hooks.h"
 #include "api/report_json.h"
 #include "api/report_lists.h"
 #include "api/report_table.h"
 #include "api/utf8.h"
 #include "api/warnings.h"
-
-static void *hooked_malloc(size_t size) /* so that cJSON's allocations can be made to fail */
-{
-	return malloc(size);
-}
-
-static int hook(void **state)
-{
-	cJSON_Hooks hooks = {hooked_malloc, free};
-
-	(void)state;
-	cJSON_InitHooks(&hooks);
-	return 0;
-}
-
-static int unhook(void **state)
-{
-	(void)state;
-	cJSON_InitHooks(NULL);
-	return 0;
-}
 
 static const struct api_timing timing = {0.1, 0, 0.12345678, 1e-9};
 
