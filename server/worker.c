@@ -17,9 +17,10 @@
 
 /*
  * Fresh pages cost more than anything that is done with them, so what was touched stays, mapped and
- * warm, for the next job.  If none comes for a while, all but KEEP bytes are given back.
+ * warm, for the next job.  If none comes for a while, or none that is large, all but KEEP bytes are
+ * given back.
  */
-enum { KEEP = 64 << 20, REST_MS = 1000 };
+enum { KEEP = 64 << 20, REST_MS = 1000, LARGE = 4 << 20 /* bytes of a body */ };
 
 enum { KEYS = 16, KEY_BYTES = sizeof((struct api_job_head *)0)->key };
 enum { PIECE = 1 << 20 }; /* bytes of a large answer that are there twice */
@@ -35,6 +36,8 @@ struct worker {
 	uint32_t done;               /* jobs behind it */
 	uint32_t said;               /* of which the front may have heard */
 	double unsaid_since;
+	double
+	    large_at; /* when a large job ended, as long as its memory was not given back; or 0 */
 	uint8_t key[KEYS][KEY_BYTES];
 	unsigned keys;
 	struct mp_second *second; /* NULL: none */
@@ -70,12 +73,18 @@ static void hear(struct worker *w)
 	w->file = fd;
 }
 
+static void give_back(struct worker *w)
+{
+	(void)malloc_trim(KEEP);
+	w->large_at = 0;
+}
+
 static void rest(struct worker *w)
 {
 	struct pollfd next = {.fd = w->sock, .events = POLLIN};
 
 	if (poll(&next, 1, REST_MS) == 0)
-		(void)malloc_trim(KEEP);
+		give_back(w);
 	hear(w);
 }
 
@@ -205,6 +214,8 @@ static void answer(struct worker *w, struct api_job *job, double queue_ms)
 	int fd;
 
 	api_job_answer(job, w->segment->receive_ms, queue_ms, &a);
+	if (a.bytes >= LARGE)
+		w->large_at = srv_now();
 	fd = place_answer(w, &a);
 	if (!a.retire) {
 		api_answer_free(&a);
@@ -263,10 +274,12 @@ static void work(struct worker *w)
 		_exit(SRV_EXIT_NO_MEMORY); /* a fresh process is the best answer */
 	fed = w->segment->words.spooled == 0 || feed_spooled(w, job);
 	drop_file(w);
-	if (fed && feed_ring(w, job))
+	if (fed && feed_ring(w, job)) {
 		answer(w, job, queue_ms);
-	else
+	} else {
 		api_job_free(job);
+		w->large_at = srv_now(); /* or so it may have been */
+	}
 }
 
 /* One more job is over.  Who waits for its answer hears of it at once, or soon. */
@@ -282,6 +295,8 @@ static void say_done(struct worker *w)
 	w->said = w->done;
 	if (srv_desk_must_tell_front(w->desk))
 		tell(w, SRV_MSG_DONE, NULL, 0);
+	if (w->large_at > 0 && now - w->large_at > 1e-3 * REST_MS)
+		give_back(w);
 }
 
 void srv_worker_run(const struct srv_config *config, int sock, struct srv_desk *desk, bool large)

@@ -41,6 +41,15 @@ def test_a_large_job_leaves_no_large_worker(d):
     check("a worker that rests gives memory back",
           SANITIZED or until(lambda: memory(worker, "VmRSS") < 80 * MEGABYTE, 20),
           memory(worker, "VmRSS"))
+    a = d.post(bytes(80) + struct.pack("<I", 12 * COPIES) + FACETS * COPIES)
+    check("another one is answered", a.status == 200, a)
+    middle = bytes(80) + struct.pack("<I", 12 * 500) + FACETS * 500  # has no lane of its own
+
+    def small():
+        return d.post(middle).status == 200 and memory(worker, "VmRSS") < 80 * MEGABYTE
+
+    check("a worker that has small jobs only gives it back, too",
+          SANITIZED or until(small, 20), memory(worker, "VmRSS"))
     a = d.post(stl(box((0, 0, 0), (40, 30, 20))))
     check("the same worker goes on", a.status == 200 and workers(d.pid)[0] == worker, a)
 
