@@ -15,9 +15,9 @@
 #include <zlib.h>
 
 #include "alloc_fail.h"
-#include "cjson_hooks.h"
 #include "api/job.h"
 #include "api/utf8.h"
+#include "cjson_hooks.h"
 #include "tests/unit/mesh_make.h"
 
 struct body { /* grows at the end */

@@ -12,12 +12,12 @@
 #include <string.h>
 
 #include "alloc_fail.h"
-#include "cjson_hooks.h"
 #include "api/capabilities.h"
 #include "api/job.h"
 #include "api/options.h"
 #include "api/report_table.h"
 #include "api/utf8.h"
+#include "cjson_hooks.h"
 
 static double clock_s; /* goes on by a quarter of a second whenever it is read */
 

@@ -13,8 +13,8 @@
 #include <zstd.h>
 
 #include "alloc_fail.h"
-#include "cjson_hooks.h"
 #include "api/job.h"
+#include "cjson_hooks.h"
 #include "tests/unit/draco_seen.h"
 #include "tests/unit/mesh_make.h"
 

@@ -10,9 +10,9 @@
 #include <string.h>
 
 #include "alloc_fail.h"
-#include "cjson_hooks.h"
 #include "api/problem.h"
 #include "api/utf8.h"
+#include "cjson_hooks.h"
 
 /* The table of the contract. */
 static const struct {

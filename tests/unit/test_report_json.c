@@ -12,12 +12,12 @@
 #include <string.h>
 
 #include "alloc_fail.h"
-#include "cjson_hooks.h"
 #include "api/report_json.h"
 #include "api/report_lists.h"
 #include "api/report_table.h"
 #include "api/utf8.h"
 #include "api/warnings.h"
+#include "cjson_hooks.h"
 
 static const struct api_timing timing = {0.1, 0, 0.12345678, 1e-9};
 
