@@ -22,7 +22,7 @@ enum { TURN_MS = 5 };
  * EACH.  Where less than WORTH_WAKING stands before it, a request comes to its turn about as soon
  * as another worker would be awake.
  */
-enum { EACH = 5000, WORTH_WAKING = 20000 };
+enum { EACH = 3000, WORTH_WAKING = 30000 };
 
 /* The front tells a worker of so many at the latest; else when it has seen to all connections. */
 enum { MOST_UNTOLD = 4 };

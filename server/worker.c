@@ -8,6 +8,8 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/random.h>
+#include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include "server/channel.h"
@@ -20,7 +22,7 @@
  * warm, for the next job.  If none comes for a while, or none that is large, all but KEEP bytes are
  * given back.
  */
-enum { KEEP = 64 << 20, REST_MS = 1000, LARGE = 4 << 20 /* bytes of a body */ };
+enum { KEEP = 64 << 20, REST_S = 1, LARGE = 4 << 20 /* bytes of a body */ };
 
 enum { KEYS = 16, KEY_BYTES = sizeof((struct api_job_head *)0)->key };
 enum { PIECE = 1 << 20 }; /* bytes of a large answer that are there twice */
@@ -58,19 +60,32 @@ static void drop_file(struct worker *w)
 	w->file = -1;
 }
 
-/* Sleep until a message comes: something has changed.  Exits where the front is gone. */
-static void hear(struct worker *w)
+/*
+ * Sleep until a message comes: something has changed.  False where none has come for REST_S.  Exits
+ * where the front is gone.
+ */
+static bool heard(struct worker *w)
 {
 	size_t fds = 1;
 	char byte;
 	int fd;
+	ssize_t n = srv_channel_receive(w->sock, &byte, 1, &fd, &fds);
 
-	if (srv_channel_receive(w->sock, &byte, 1, &fd, &fds) <= 0)
+	if (n < 0 && errno == EAGAIN)
+		return false;
+	if (n <= 0)
 		_exit(0);
 	if (fds == 0)
-		return;
+		return true;
 	drop_file(w);
 	w->file = fd;
+	return true;
+}
+
+static void hear(struct worker *w)
+{
+	while (!heard(w))
+		;
 }
 
 static void give_back(struct worker *w)
@@ -83,9 +98,20 @@ static void rest(struct worker *w)
 {
 	struct pollfd next = {.fd = w->sock, .events = POLLIN};
 
-	if (poll(&next, 1, REST_MS) == 0)
-		give_back(w);
+	if (heard(w))
+		return;
+	give_back(w);
+	(void)poll(&next, 1, -1); /* for however long it takes */
 	hear(w);
+}
+
+/* Receiving ends by itself after REST_S: poll() before it, with a timeout, would be one call more.
+ */
+static void limit_sleep(int sock)
+{
+	const struct timeval most = {.tv_sec = REST_S};
+
+	(void)setsockopt(sock, SOL_SOCKET, SO_RCVTIMEO, &most, sizeof most);
 }
 
 static bool cancelled(const struct worker *w)
@@ -295,7 +321,7 @@ static void say_done(struct worker *w)
 	w->said = w->done;
 	if (srv_desk_must_tell_front(w->desk))
 		tell(w, SRV_MSG_DONE, NULL, 0);
-	if (w->large_at > 0 && now - w->large_at > 1e-3 * REST_MS)
+	if (w->large_at > 0 && now - w->large_at > REST_S)
 		give_back(w);
 }
 
@@ -306,6 +332,7 @@ void srv_worker_run(const struct srv_config *config, int sock, struct srv_desk *
 	char why[200];
 	int seconds;
 
+	limit_sleep(sock);
 	mallopt(M_ARENA_MAX, 1); /* what one thread frees serves the other */
 	seconds = large ? srv_second_start(&second, config->sandbox) : 0;
 	if (seconds < 0 ||

@@ -3,18 +3,21 @@
 
 #include "core/topology/topology_parts.h"
 
+/* One piece of memory for all four arrays: most lists are empty, and every report has seven. */
 int mp_defects_begin(struct mp_defect_list *l, size_t items, size_t triangles, size_t vertices)
 {
+	size_t at = 2 * (items + 1) * sizeof *l->triangle_at;
+	size_t numbers = (triangles + vertices) * sizeof *l->triangles;
+
 	l->count = 0;
-	l->triangle_at = calloc(items + 1, sizeof *l->triangle_at);
-	l->vertex_at = calloc(items + 1, sizeof *l->vertex_at);
-	l->triangles = malloc((triangles + 1) * sizeof *l->triangles);
-	l->vertices = malloc((vertices + 1) * sizeof *l->vertices);
-	if (l->triangle_at != NULL && l->vertex_at != NULL && l->triangles != NULL &&
-	    l->vertices != NULL)
-		return 0;
-	mp_defects_free(l);
-	return -1;
+	l->triangle_at = malloc(at + numbers);
+	if (l->triangle_at == NULL)
+		return -1;
+	memset(l->triangle_at, 0, at);
+	l->vertex_at = l->triangle_at + items + 1;
+	l->triangles = (uint32_t *)(void *)(l->vertex_at + items + 1);
+	l->vertices = l->triangles + triangles;
+	return 0;
 }
 
 void mp_defects_add(struct mp_defect_list *l, const uint32_t *triangles, size_t triangle_count,
@@ -32,8 +35,5 @@ void mp_defects_add(struct mp_defect_list *l, const uint32_t *triangles, size_t 
 void mp_defects_free(struct mp_defect_list *l)
 {
 	free(l->triangle_at);
-	free(l->vertex_at);
-	free(l->triangles);
-	free(l->vertices);
 	memset(l, 0, sizeof *l);
 }

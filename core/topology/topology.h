@@ -77,9 +77,9 @@ void mp_flat_mark_with(size_t kernel, const float (*xyz)[MP_BLOCK], size_t count
  */
 struct mp_defect_list {
 	size_t count;
-	size_t *triangle_at, *vertex_at;
-	uint32_t *triangles; /* file order numbers, ascending within an item */
-	uint32_t *vertices;  /* vertex numbers of the mesh */
+	size_t *triangle_at, *vertex_at; /* owned: triangle_at, the others lie behind it */
+	uint32_t *triangles;             /* file order numbers, ascending within an item */
+	uint32_t *vertices;              /* vertex numbers of the mesh */
 };
 
 enum mp_defect_kind {

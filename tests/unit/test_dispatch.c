@@ -209,7 +209,7 @@ static void others_are_woken_for_what_would_wait(void **state)
 	for (unsigned i = 0; i < SLOTS; i++)
 		start_worker(s, i);
 	for (int i = 0; i < 12; i++)
-		(void)ask(s, 's', 1000);
+		(void)ask(s, 's', 6000);
 	for (unsigned i = 0; i < SLOTS; i++)
 		assert_int_equal(on(s, i), 4);
 }
