@@ -32,8 +32,8 @@ static inline bool mp_set_unite(uint32_t *parent, uint32_t x, uint32_t y)
 
 /*
  * The same while another thread changes them (Anderson & Woll 1991, doi:10.1145/103418.103458):
- * only roots get another parent, at once or not at all, and what a path skips stays above it.  So
- * which sets there are depends on nobody's speed, what is on the way to their roots does.
+ * only roots get another set's parent, at once or not at all, and what a path skips stays above it.
+ * Which sets there are in the end depends on nobody's speed, only the ways to their roots do.
  */
 static inline uint32_t mp_shared_parent(const uint32_t *parent, uint32_t x)
 {
@@ -65,23 +65,36 @@ static inline uint32_t mp_shared_shorten(uint32_t *parent, uint32_t x)
 	return root;
 }
 
-/* Whether two sets became one by this call. */
+/*
+ * Whether two sets became one by this call.  By turns up from the one of the larger parent, and no
+ * further than needed (Rem's algorithm in Dijkstra, A Discipline of Programming, 1976, ch. 23; with
+ * a compare and swap: Dhulipala, Hong & Shun 2020, doi:10.14778/3436905.3436923).
+ */
 static inline bool mp_shared_unite(uint32_t *parent, uint32_t x, uint32_t y)
 {
-	uint32_t high, low;
+	for (;;) {
+		uint32_t up = mp_shared_parent(parent, x), other = mp_shared_parent(parent, y);
 
-	if (mp_shared_parent(parent, x) == mp_shared_parent(parent, y))
-		return false;
-	do {
-		x = mp_shared_find(parent, x);
-		y = mp_shared_find(parent, y);
-		if (x == y)
+		if (up == other)
 			return false;
-		high = x > y ? x : y;
-		low = x > y ? y : x;
-	} while (!__atomic_compare_exchange_n(&parent[high], &high, low, false, __ATOMIC_RELAXED,
-					      __ATOMIC_RELAXED));
-	return true;
+		if (up < other) {
+			uint32_t keep = x;
+
+			x = y;
+			y = keep;
+			keep = up;
+			up = other;
+			other = keep;
+		}
+		if (x != up) {
+			__atomic_store_n(&parent[x], mp_shared_parent(parent, up),
+					 __ATOMIC_RELAXED);
+			x = up;
+		} else if (__atomic_compare_exchange_n(&parent[x], &up, other, false,
+						       __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+			return true;
+		}
+	}
 }
 
 #endif
