@@ -1,6 +1,7 @@
 #include "core/memory/huge.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <sys/mman.h>
 
 enum {
@@ -27,4 +28,9 @@ void *mp_huge(void *table, size_t size)
 	(void)size;
 #endif
 	return table;
+}
+
+void mp_huge_heap(size_t bytes)
+{
+	free(mp_huge(malloc(bytes), bytes));
 }

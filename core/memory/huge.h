@@ -11,4 +11,12 @@
  */
 void *mp_huge(void *table, size_t size);
 
+/*
+ * Before others, whose malloc() cannot be asked, take about ${bytes} in a process that has none
+ * warm: where the C library keeps what is freed (server/worker.c tells it to), the memory they get
+ * will have huge pages.  Nothing of it is touched; elsewhere, and with too little memory, nothing
+ * happens.
+ */
+void mp_huge_heap(size_t bytes);
+
 #endif

@@ -1,4 +1,5 @@
 /* Tables on huge pages: what they hold stays, and nothing beside them changes. */
+#include <malloc.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -80,12 +81,45 @@ static void a_small_table_and_none_are_left_alone(void **state)
 	assert_null(mp_huge(NULL, LARGE));
 }
 
+/* As in a worker: from now on malloc() keeps what it was given. */
+static void what_others_get_later_is_advised(void **state)
+{
+#ifdef MP_SANITIZED
+	(void)state;
+	skip(); /* they bring a malloc() of their own */
+#else
+	unsigned char *before, *after;
+	FILE *f = fopen("/sys/kernel/mm/transparent_hugepage/enabled", "r");
+	int was, is;
+
+	(void)state;
+	mallopt(M_MMAP_MAX, 0);
+	mallopt(M_TRIM_THRESHOLD, -1);
+	mp_huge_heap(SIZE_MAX / 2); /* more than there is: nothing happens */
+	before = malloc(1 << 20);
+	assert_non_null(before);
+	was = is_advised(before + (1 << 19));
+	mp_huge_heap(LARGE);
+	after = malloc(1 << 20);
+	assert_non_null(after);
+	is = is_advised(after + (1 << 19));
+	free(before);
+	free(after);
+	if (f == NULL || is < 0)
+		skip();
+	fclose(f);
+	assert_int_equal(was, 0);
+	assert_int_equal(is, 1);
+#endif
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(a_large_table_is_advised),
 	    cmocka_unit_test(its_bytes_stay),
 	    cmocka_unit_test(a_small_table_and_none_are_left_alone),
+	    cmocka_unit_test(what_others_get_later_is_advised),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
