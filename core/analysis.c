@@ -29,15 +29,10 @@ static int reserve_flat(struct mp_analysis *a, size_t room, struct mp_error *err
 	return 0;
 }
 
-static int reserve(struct mp_analysis *a, size_t count, struct mp_error *err)
+static int resize(struct mp_analysis *a, size_t room, struct mp_error *err)
 {
-	size_t need = a->triangles + count, room = a->room;
 	void *new;
 
-	if (need <= room)
-		return 0;
-	while (room < need)
-		room = room < 1024 ? 1024 : 2 * room; /* need < 2^33: no overflow in 64 bits */
 	if (reserve_flat(a, room, err))
 		return -1;
 	if (room > SIZE_MAX / sizeof *a->tri ||
@@ -46,6 +41,31 @@ static int reserve(struct mp_analysis *a, size_t count, struct mp_error *err)
 	a->tri = mp_huge(new, room * sizeof *a->tri);
 	a->room = room;
 	return 0;
+}
+
+static int reserve(struct mp_analysis *a, size_t count, struct mp_error *err)
+{
+	size_t need = a->triangles + count, room = a->room;
+
+	if (need <= room)
+		return 0;
+	while (room < need)
+		room = room < 1024 ? 1024 : 2 * room; /* need < 2^33: no overflow in 64 bits */
+	return resize(a, room, err);
+}
+
+/* What is in memory will come: room for all of it.  Where there is none, it will be told. */
+static void expect(void *self, uint64_t triangles, const struct mp_points *points)
+{
+	struct mp_analysis *a = self;
+	struct mp_error ignored;
+
+	if (triangles > a->request.limits.max_triangles || triangles > MOST_TRIANGLES)
+		return;
+	if (a->triangles + triangles > a->room)
+		(void)resize(a, (size_t)(a->triangles + triangles), &ignored);
+	if (points->count / 3 < triangles) /* not mostly points that nobody uses */
+		mp_index_expect(&a->index, a->vertices, points);
 }
 
 /* Has some triangle three different corners?  The first one nearly always. */
@@ -129,6 +149,18 @@ static int number_corners(struct mp_analysis *a, const double (*tri)[9], size_t 
 			    err);
 }
 
+static int number_corners_floats(struct mp_analysis *a, const float (*xyz)[MP_BLOCK], size_t count,
+				 struct mp_error *err)
+{
+	const uint32_t(*numbers)[3] = a->numbers;
+
+	a->numbers = NULL;
+	if (numbers == NULL)
+		return mp_vertices_add_floats(a->vertices, xyz, count, a->tri + a->triangles, err);
+	return mp_index_add_floats(&a->index, a->vertices, xyz, numbers, count,
+				   a->tri + a->triangles, err);
+}
+
 static int make_room(struct mp_analysis *a, size_t count, struct mp_error *err)
 {
 	uint64_t most = a->request.limits.max_triangles;
@@ -157,8 +189,7 @@ static int take_floats(void *self, const float (*xyz)[MP_BLOCK], size_t count, s
 {
 	struct mp_analysis *a = self;
 
-	if (make_room(a, count, err) ||
-	    mp_vertices_add_floats(a->vertices, xyz, count, a->tri + a->triangles, err))
+	if (make_room(a, count, err) || number_corners_floats(a, xyz, count, err))
 		return -1;
 	mp_moments_add_floats(&a->moments, xyz, count);
 	mp_flat_mark_floats(xyz, count, a->triangles, a->flat);
@@ -230,6 +261,7 @@ struct mp_analysis *mp_analysis_new(const struct mp_request *request, struct mp_
 				   .part = take_part,
 				   .self = a,
 				   .indices = take_indices,
+				   .expect = expect,
 				   .material = take_material,
 				   .object = take_object};
 	mp_moments_begin(&a->moments);

@@ -30,6 +30,12 @@ enum mp_rounding {
 
 enum { MP_BLOCK = 256 }; /* triangles in every block but the last */
 
+/* Three finite float32 each, point i at data + i * stride, of any alignment. */
+struct mp_points {
+	const unsigned char *data;
+	size_t stride, count;
+};
+
 /*
  * Where triangles go.  Each triangle is 9 finite doubles ax ay az bx by bz cx cy cz in file units,
  * in file order, wound as in the file.  Every block but the last has MP_BLOCK triangles.
@@ -47,10 +53,10 @@ struct mp_sink {
 	int (*part)(void *self, uint64_t first, const char *name, size_t len, struct mp_error *err);
 	void *self;
 	/*
-	 * The same triangles as the block() that follows, by the file's own vertex numbers (Draco:
-	 * of the POSITION value); formats that number no vertices never call it.  A number has one
-	 * place in the file, and the largest is less than the number of places in it.  ${tri}
-	 * stays good until that block() has returned.  May be NULL.
+	 * The same triangles as the block() or floats() that follows, by the file's own vertex
+	 * numbers (Draco: of the POSITION value); formats that number no vertices never call it.
+	 * A number has one place in the file, and the largest is less than the number of places in
+	 * it.  ${tri} stays good until that call has returned.  May be NULL.
 	 */
 	int (*indices)(void *self, const uint32_t (*tri)[3], size_t count, struct mp_error *err);
 	/* As part(), but of the material (OBJ usemtl), which parts do not end.  May be NULL. */
@@ -60,10 +66,17 @@ struct mp_sink {
 	int (*object)(void *self, uint64_t first, const char *name, size_t len,
 		      struct mp_error *err);
 	/*
-	 * The same as block(), for files of float32 (binary STL), which call it instead unless it
-	 * is NULL: coordinate k of triangle i is xyz[k][i], as it lies in the file.
+	 * The same as block(), for files of float32 (binary STL, Draco), which call it instead
+	 * unless it is NULL: coordinate k of triangle i is xyz[k][i], as it lies in the file.
 	 */
 	int (*floats)(void *self, const float (*xyz)[MP_BLOCK], size_t count, struct mp_error *err);
+	/*
+	 * So many triangles are in memory and about to come as floats(), and indices() will name
+	 * ${points}: all that can be done with them at once.  Called before the first block, by
+	 * formats that know, and never for another file's; ${points} is gone when it returns.  May
+	 * be NULL.
+	 */
+	void (*expect)(void *self, uint64_t triangles, const struct mp_points *points);
 };
 
 enum { MP_NAME_MAX = 255 };

@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "core/draco/draco_head.h"
+#include "core/draco/draco_load.h"
 #include "core/draco/draco_wrap.h"
+#include "core/memory/huge.h"
 
 /*
  * Draco meshes.  The format is read backwards in places, so the whole file is collected; what can
@@ -23,7 +25,16 @@ struct draco {
 	size_t len, room;
 };
 
-enum { FIRST_ROOM = 4096 };
+/*
+ * Whoever decodes Draco is a fresh process (core/draco/draco_wrap.h), for which fresh pages are a
+ * third of the work.  The smallest files of compression level 10 take 170 bytes of memory a byte.
+ */
+enum {
+	FIRST_ROOM = 4096,
+	LARGE = 1 << 17, /* bytes of a file */
+	HEAP_A_BYTE = 170,
+	MOST_HEAP = 256 << 20
+};
 
 static int draco_begin(void **state, const struct mp_sink *sink, const struct mp_limits *limits,
 		       struct mp_notes *notes, struct mp_error *err)
@@ -49,6 +60,8 @@ static int reserve(struct draco *d, size_t len, struct mp_error *err)
 		return mp_fail_nomem(err);
 	while (room < d->len + len)
 		room *= 2;
+	if (room >= LARGE)
+		mp_huge_heap(room < MOST_HEAP / HEAP_A_BYTE ? HEAP_A_BYTE * room : MOST_HEAP);
 	grown = realloc(d->file, room);
 	if (grown == NULL)
 		return mp_fail_nomem(err);
@@ -84,32 +97,11 @@ static void release(struct draco *d)
 	d->len = d->room = 0;
 }
 
-static size_t size_of(enum mp_draco_type type)
-{
-	switch (type) {
-	case MP_DRACO_INT8:
-	case MP_DRACO_UINT8:
-		return 1;
-	case MP_DRACO_INT16:
-	case MP_DRACO_UINT16:
-		return 2;
-	case MP_DRACO_INT32:
-	case MP_DRACO_UINT32:
-	case MP_DRACO_FLOAT32:
-		return 4;
-	case MP_DRACO_FLOAT64:
-		return 8;
-	case MP_DRACO_OTHER:
-		break;
-	}
-	return 0;
-}
-
 /* Are the positions there, of a kind that is read, and as many as they claim to be? */
 static int check_shape(const struct mp_draco_shape *s, const struct mp_limits *limits,
 		       struct mp_error *err)
 {
-	uint64_t most = limits->max_triangles, size = 3 * size_of(s->type);
+	uint64_t most = limits->max_triangles, size = 3 * mp_draco_size_of(s->type);
 
 	if (s->faces == 0)
 		return mp_fail(err, MP_NO_FACES, MP_NO_BYTE, "a Draco mesh with 0 faces");
@@ -132,54 +124,13 @@ static int check_shape(const struct mp_draco_shape *s, const struct mp_limits *l
 	return 0;
 }
 
-/* One coordinate, in the byte order of this machine. */
-static inline double number(enum mp_draco_type type, const uint8_t *p)
-{
-	union {
-		int16_t i16;
-		uint16_t u16;
-		int32_t i32;
-		uint32_t u32;
-		float f32;
-		double f64;
-	} v;
-
-	switch (type) {
-	case MP_DRACO_INT8:
-		return (int8_t)*p;
-	case MP_DRACO_UINT8:
-		return *p;
-	case MP_DRACO_INT16:
-		memcpy(&v.i16, p, sizeof v.i16);
-		return v.i16;
-	case MP_DRACO_UINT16:
-		memcpy(&v.u16, p, sizeof v.u16);
-		return v.u16;
-	case MP_DRACO_INT32:
-		memcpy(&v.i32, p, sizeof v.i32);
-		return v.i32;
-	case MP_DRACO_UINT32:
-		memcpy(&v.u32, p, sizeof v.u32);
-		return v.u32;
-	case MP_DRACO_FLOAT32:
-		memcpy(&v.f32, p, sizeof v.f32);
-		return (double)v.f32;
-	case MP_DRACO_FLOAT64:
-		memcpy(&v.f64, p, sizeof v.f64);
-		return v.f64;
-	case MP_DRACO_OTHER:
-		break;
-	}
-	return 0;
-}
-
-static bool all_below(const uint32_t *number, size_t count, uint64_t limit)
+static uint32_t largest(const uint32_t *number, size_t count)
 {
 	uint32_t most = 0;
 
 	for (size_t i = 0; i < count; i++)
 		most = number[i] > most ? number[i] : most;
-	return most < limit;
+	return most;
 }
 
 /* The face (from 0) of the first of ${number} that is not below ${limit}, and that one. */
@@ -195,83 +146,65 @@ static int fail_index(const struct mp_draco_shape *s, const uint32_t *number, bo
 		       points ? "point" : "position", number[i], points ? s->points : s->values);
 }
 
-/* ${corner} names points; afterwards the values they have. */
+/* Some faces on their way to the sink. */
+struct faces {
+	const uint32_t (*corner)[3]; /* the values of their corners: libdraco's, or these: */
+	uint32_t value[MP_BLOCK][3];
+	uint32_t most; /* of them */
+	union {
+		float columns[9][MP_BLOCK];
+		double tri[MP_BLOCK][9];
+	} xyz;
+};
+
 static int find_values(const struct mp_draco_mesh *mesh, const struct mp_draco_shape *s,
-		       uint64_t first, uint32_t *corner, size_t count, struct mp_error *err)
+		       uint64_t first, size_t count, struct faces *f, struct mp_error *err)
 {
+	const uint32_t(*point)[3] = mp_draco_faces(mesh) + first;
 	uint64_t known = s->points < s->mapped ? s->points : s->mapped;
 
-	if (!all_below(corner, count, known))
-		return fail_index(s, corner, true, first, known, err);
-	mp_draco_values(mesh, corner, count);
-	if (!all_below(corner, count, s->values))
-		return fail_index(s, corner, false, first, s->values, err);
+	f->corner = point;
+	f->most = largest(point[0], 3 * count);
+	if (f->most >= known)
+		return fail_index(s, point[0], true, first, known, err);
+	if (mp_draco_values(mesh, point, count, f->value)) {
+		f->corner = (const uint32_t(*)[3])f->value;
+		f->most = largest(f->value[0], 3 * count);
+	}
+	if (f->most >= s->values)
+		return fail_index(s, f->corner[0], false, first, s->values, err);
 	return 0;
 }
 
-static int load(const struct mp_draco_shape *s, uint64_t first, const uint32_t *corner,
-		size_t count, double *out, struct mp_error *err)
+static int send_block(struct draco *d, const struct mp_draco_shape *s, bool floats, size_t count,
+		      struct faces *f, struct mp_error *err)
 {
-	const size_t size = size_of(s->type);
+	const struct mp_sink *sink = d->sink;
 
-	for (size_t i = 0; i < count; i++) {
-		const uint8_t *p = s->data + s->offset + s->stride * corner[i];
-
-		for (size_t k = 0; k < 3; k++, p += size) {
-			double x = number(s->type, p);
-
-			if (!isfinite(x))
-				return mp_fail(err, MP_NON_FINITE, MP_NO_BYTE,
-					       "face %" PRIu64 " (from 0): %c of position %" PRIu32
-					       " is not finite",
-					       first + i / 3, "xyz"[k], corner[i]);
-			out[3 * i + k] = x;
-		}
-	}
-	return 0;
-}
-
-/* The same of floats, quickly; false where some are not finite. */
-static bool load_floats(const struct mp_draco_shape *s, const uint32_t *corner, size_t count,
-			double *out)
-{
-	const uint8_t *data = s->data + s->offset;
-	uint32_t bad = 0;
-
-	for (size_t i = 0; i < count; i++) {
-		uint32_t bits[3];
-		float x[3];
-
-		memcpy(bits, data + s->stride * corner[i], sizeof bits);
-		memcpy(x, bits, sizeof x);
-		for (size_t k = 0; k < 3; k++) { /* all bits of the exponent carry into the next */
-			bad |= (bits[k] & 0x7f800000) + 0x00800000;
-			out[3 * i + k] = (double)x[k];
-		}
-	}
-	return bad >> 31 == 0;
+	if (floats)
+		mp_draco_load_floats(s, f->corner, count, f->most, f->xyz.columns);
+	else if (mp_draco_load(s, d->notes->triangles, f->corner, count, f->xyz.tri, err))
+		return -1;
+	if (sink->indices != NULL && sink->indices(sink->self, f->corner, count, err))
+		return -1;
+	return floats
+		   ? sink->floats(sink->self, (const float(*)[MP_BLOCK])f->xyz.columns, count, err)
+		   : sink->block(sink->self, (const double(*)[9])f->xyz.tri, count, err);
 }
 
 static int send(struct draco *d, const struct mp_draco_mesh *mesh, const struct mp_draco_shape *s,
 		struct mp_error *err)
 {
-	const struct mp_sink *sink = d->sink;
-	uint32_t corner[MP_BLOCK][3];
-	double tri[MP_BLOCK][9];
+	const struct mp_points points = {s->data + s->offset, s->stride, s->values};
+	bool floats = d->sink->floats != NULL && mp_draco_are_floats(s);
+	struct faces f;
 
+	if (floats && d->sink->expect != NULL)
+		d->sink->expect(d->sink->self, s->faces, &points);
 	for (uint64_t at = 0; at < s->faces; at += MP_BLOCK) {
 		size_t n = s->faces - at < MP_BLOCK ? (size_t)(s->faces - at) : MP_BLOCK;
 
-		mp_draco_faces(mesh, at, n, corner);
-		if (find_values(mesh, s, at, corner[0], 3 * n, err))
-			return -1;
-		if ((s->type != MP_DRACO_FLOAT32 || !load_floats(s, corner[0], 3 * n, tri[0])) &&
-		    load(s, at, corner[0], 3 * n, tri[0], err))
-			return -1;
-		if (sink->indices != NULL &&
-		    sink->indices(sink->self, (const uint32_t(*)[3])corner, n, err))
-			return -1;
-		if (sink->block(sink->self, (const double(*)[9])tri, n, err))
+		if (find_values(mesh, s, at, n, &f, err) || send_block(d, s, floats, n, &f, err))
 			return -1;
 		d->notes->triangles += n;
 	}

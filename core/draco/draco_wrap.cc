@@ -8,6 +8,7 @@
 #include <memory>
 #include <new>
 #include <stdexcept>
+#include <type_traits>
 
 #include <draco/attributes/attribute_quantization_transform.h>
 #include <draco/compression/decode.h>
@@ -171,23 +172,27 @@ try {
 	return MP_DRACO_REFUSED;
 }
 
-void mp_draco_faces(const mp_draco_mesh *mesh, uint64_t first, size_t count, uint32_t (*point)[3])
-{
-	for (size_t i = 0; i < count; i++) {
-		const draco::Mesh::Face &face =
-		    mesh->mesh->face(draco::FaceIndex((uint32_t)(first + i)));
+/* libdraco keeps faces in one vector, each an array of numbers of one member. */
+static_assert(sizeof(draco::Mesh::Face) == 3 * sizeof(uint32_t) &&
+		  std::is_standard_layout<draco::PointIndex>::value,
+	      "three numbers a face");
 
-		for (size_t k = 0; k < 3; k++)
-			point[i][k] = face[k].value();
-	}
+const uint32_t (*mp_draco_faces(const mp_draco_mesh *mesh))[3]
+{
+	return reinterpret_cast<const uint32_t(*)[3]>(&mesh->mesh->face(draco::FaceIndex(0)));
 }
 
-void mp_draco_values(const mp_draco_mesh *mesh, uint32_t *point, size_t count)
+bool mp_draco_values(const mp_draco_mesh *mesh, const uint32_t (*point)[3], size_t count,
+		     uint32_t (*value)[3])
 {
-	if (mesh->positions->is_mapping_identity())
-		return;
+	const PointAttribute *held = mesh->positions;
+
+	if (held->is_mapping_identity())
+		return false;
 	for (size_t i = 0; i < count; i++)
-		point[i] = mesh->positions->mapped_index(draco::PointIndex(point[i])).value();
+		for (size_t k = 0; k < 3; k++)
+			value[i][k] = held->mapped_index(draco::PointIndex(point[i][k])).value();
+	return true;
 }
 
 void mp_draco_free(mp_draco_mesh *mesh)

@@ -61,12 +61,15 @@ struct mp_draco_mesh;
 enum mp_draco_verdict mp_draco_decode(const uint8_t *file, size_t len, struct mp_draco_mesh **out,
 				      struct mp_draco_shape *shape, char *why, size_t room);
 
-/* The points of ${count} faces from ${first} on; first + count <= faces. */
-void mp_draco_faces(const struct mp_draco_mesh *mesh, uint64_t first, size_t count,
-		    uint32_t (*point)[3]);
+/* The three points of each face, in order; good as long as the mesh. */
+const uint32_t (*mp_draco_faces(const struct mp_draco_mesh *mesh))[3];
 
-/* Replace ${count} points, each < mapped, by the numbers of their position values. */
-void mp_draco_values(const struct mp_draco_mesh *mesh, uint32_t *point, size_t count);
+/*
+ * The position values of ${count} triples of points, each < mapped.  False, with nothing written:
+ * a point has the value of its own number.
+ */
+bool mp_draco_values(const struct mp_draco_mesh *mesh, const uint32_t (*point)[3], size_t count,
+		     uint32_t (*value)[3]);
 
 void mp_draco_free(struct mp_draco_mesh *mesh); /* takes NULL */
 

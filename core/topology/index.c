@@ -15,8 +15,11 @@ enum { BATCH = 64, CORNERS = 3 * BATCH }; /* triangles and corners looked up tog
 /* The corners of a batch whose numbers have not come before, each number once. */
 struct fresh {
 	uint32_t number[CORNERS + 1]; /* and one that is written in vain */
-	uint16_t corner[CORNERS + 1];
-	double point[CORNERS][3];
+	uint16_t corner[CORNERS + 1]; /* 4 * triangle + 0, 1 or 2 */
+	union {
+		double wide[CORNERS][3];
+		float narrow[CORNERS][3];
+	} point;
 	uint32_t vertex[CORNERS];
 	unsigned count;
 };
@@ -29,6 +32,7 @@ static void give_back(struct mp_index *x)
 	x->vertex = x->count = NULL;
 	x->tri = NULL;
 	x->top = x->room = x->tri_room = 0;
+	mp_places_free(&x->places);
 }
 
 static void turn_off(struct mp_index *x)
@@ -84,24 +88,53 @@ static int reserve_triangles(struct mp_index *x, size_t count, struct mp_error *
 }
 
 /* Without a branch for each corner: which of them are new is anybody's guess. */
-static void find_fresh(struct mp_index *x, const double (*tri)[9], const uint32_t *number,
-		       unsigned corners, struct fresh *f)
+static void find_fresh(struct mp_index *x, const uint32_t (*number)[3], unsigned count,
+		       struct fresh *f)
 {
 	uint32_t *vertex = x->vertex;
 	unsigned n = 0;
 
-	for (unsigned i = 0; i < corners; i++) {
-		uint32_t known = vertex[number[i]], is_new = known == 0 ? 1 : 0;
+	for (unsigned i = 0; i < count; i++)
+		for (unsigned k = 0; k < 3; k++) {
+			uint32_t known = vertex[number[i][k]], is_new = known == 0 ? 1 : 0;
 
-		vertex[number[i]] = known + is_new; /* the right one follows */
-		f->number[n] = number[i];
-		f->corner[n] = (uint16_t)i;
-		n += is_new;
-	}
-	for (unsigned i = 0; i < n; i++)
-		memcpy(f->point[i], &tri[f->corner[i] / 3][3 * (f->corner[i] % 3)],
-		       sizeof f->point[i]);
+			vertex[number[i][k]] = known + is_new; /* the right one follows */
+			f->number[n] = number[i][k];
+			f->corner[n] = (uint16_t)(4 * i + k);
+			n += is_new;
+		}
 	f->count = n;
+}
+
+/* Triangles in one of two forms, as a sink gets them. */
+struct source {
+	const double (*tri)[9];
+	const float (*xyz)[MP_BLOCK];
+};
+
+/* The vertices of fresh numbers of triangles from ${at} on. */
+static int find_vertices(struct mp_index *x, const struct source *from, size_t at,
+			 struct mp_vertices *v, struct fresh *f, struct mp_error *err)
+{
+	if (from->tri != NULL) {
+		mp_places_free(&x->places); /* knows floats only */
+		for (unsigned i = 0; i < f->count; i++)
+			memcpy(f->point.wide[i],
+			       &from->tri[at + f->corner[i] / 4][3 * (f->corner[i] % 4)],
+			       sizeof f->point.wide[i]);
+		return mp_vertices_add_points(v, (const double(*)[3])f->point.wide, f->count,
+					      f->vertex, err);
+	}
+	for (unsigned i = 0; i < f->count; i++) {
+		size_t t = at + f->corner[i] / 4;
+
+		for (unsigned j = 0; j < 3; j++)
+			f->point.narrow[i][j] = from->xyz[3 * (f->corner[i] % 4) + j][t];
+	}
+	return x->places.known ? mp_places_add(&x->places, v, f->number, f->point.narrow, f->count,
+					       f->vertex, err)
+			       : mp_vertices_add_float_points(v, (const float(*)[3])f->point.narrow,
+							      f->count, f->vertex, err);
 }
 
 /* From here on vertices and numbers are counted apart. */
@@ -146,15 +179,15 @@ static int keep(struct mp_index *x, const uint32_t (*number)[3], size_t count, s
 	return 0;
 }
 
-static int add_batch(struct mp_index *x, struct mp_vertices *v, const double (*tri)[9],
-		     const uint32_t (*number)[3], unsigned count, uint32_t (*out)[3],
+static int add_batch(struct mp_index *x, struct mp_vertices *v, const struct source *from,
+		     size_t at, const uint32_t (*number)[3], unsigned count, uint32_t (*out)[3],
 		     struct mp_error *err)
 {
 	struct fresh f;
 
-	find_fresh(x, tri, number[0], 3 * count, &f);
-	if (mp_vertices_add_points(v, (const double(*)[3])f.point, f.count, f.vertex, err) ||
-	    learn(x, &f, err) || keep(x, number, count, err))
+	find_fresh(x, number, count, &f);
+	if (find_vertices(x, from, at, v, &f, err) || learn(x, &f, err) ||
+	    keep(x, number, count, err))
 		return -1;
 	for (unsigned i = 0; i < count; i++)
 		for (unsigned k = 0; k < 3; k++)
@@ -172,30 +205,60 @@ static uint32_t largest(const uint32_t *number, size_t count)
 	return most;
 }
 
-int mp_index_add(struct mp_index *x, struct mp_vertices *v, const double (*tri)[9],
-		 const uint32_t (*number)[3], size_t count, uint32_t (*out)[3],
-		 struct mp_error *err)
+static int add(struct mp_index *x, struct mp_vertices *v, const struct source *from,
+	       const uint32_t (*number)[3], size_t count, uint32_t (*out)[3], struct mp_error *err)
 {
 	uint32_t most = x->off || count == 0 ? 0 : largest(number[0], 3 * count);
 
 	if (most >= MOST_NUMBERS || x->numbers >= MOST_NUMBERS - 3 * count)
 		turn_off(x);
 	if (x->off)
-		return mp_vertices_add(v, tri, count, out, err);
+		return from->tri != NULL ? mp_vertices_add(v, from->tri, count, out, err)
+					 : mp_vertices_add_floats(v, from->xyz, count, out, err);
 	if (reserve(x, (size_t)most + 1, err))
 		return -1;
 	for (size_t at = 0; at < count; at += BATCH) {
 		unsigned n = count - at < BATCH ? (unsigned)(count - at) : BATCH;
 
-		if (add_batch(x, v, tri + at, number + at, n, out + at, err))
+		if (add_batch(x, v, from, at, number + at, n, out + at, err))
 			return -1;
 	}
 	return 0;
 }
 
+int mp_index_add(struct mp_index *x, struct mp_vertices *v, const double (*tri)[9],
+		 const uint32_t (*number)[3], size_t count, uint32_t (*out)[3],
+		 struct mp_error *err)
+{
+	const struct source from = {.tri = tri};
+
+	return add(x, v, &from, number, count, out, err);
+}
+
+int mp_index_add_floats(struct mp_index *x, struct mp_vertices *v, const float (*xyz)[MP_BLOCK],
+			const uint32_t (*number)[3], size_t count, uint32_t (*out)[3],
+			struct mp_error *err)
+{
+	const struct source from = {.xyz = xyz};
+
+	return add(x, v, &from, number, count, out, err);
+}
+
+void mp_index_expect(struct mp_index *x, struct mp_vertices *v, const struct mp_points *points)
+{
+	struct mp_error ignored;
+
+	if (x->off || points->count >= MOST_NUMBERS || reserve(x, points->count, &ignored))
+		return;
+	if (mp_vertices_count(v) == 0)
+		mp_places_find(&x->places, v, points);
+	mp_vertices_expect(v, points->count, !x->places.known);
+}
+
 void mp_index_next(struct mp_index *x, size_t triangles)
 {
 	x->top = 0;
+	mp_places_free(&x->places);
 	if (x->triangles != triangles)
 		turn_off(x);
 }

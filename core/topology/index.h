@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "core/error.h"
+#include "core/topology/places.h"
 #include "core/topology/topology.h"
 
 /*
@@ -25,7 +26,8 @@ struct mp_index { /* all 0: nothing has come */
 	uint64_t kept_from;
 	uint32_t (*tri)[3];
 	size_t tri_room;
-	bool off; /* some file numbers no vertices, or too many */
+	struct mp_places places; /* of the file in work */
+	bool off;                /* some file numbers no vertices, or too many */
 };
 
 /* The checks that depend on how vertices are identified; as in struct mp_topology. */
@@ -44,6 +46,16 @@ struct mp_by_index {
 int mp_index_add(struct mp_index *, struct mp_vertices *, const double (*tri)[9],
 		 const uint32_t (*number)[3], size_t count, uint32_t (*out)[3],
 		 struct mp_error *err);
+/* The same of floats, as mp_vertices_add_floats(). */
+int mp_index_add_floats(struct mp_index *, struct mp_vertices *, const float (*xyz)[MP_BLOCK],
+			const uint32_t (*number)[3], size_t count, uint32_t (*out)[3],
+			struct mp_error *err);
+
+/*
+ * The numbers that come next are those of ${points}, and their triangles come as floats: whatever
+ * can be found of them at once.  Makes room; where there is no memory, all goes on as without.
+ */
+void mp_index_expect(struct mp_index *, struct mp_vertices *, const struct mp_points *points);
 
 /* A file is over and ${triangles} have come of all of them; the next one has its own numbers. */
 void mp_index_next(struct mp_index *, size_t triangles);

@@ -5,23 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/memory/huge.h"
 #include "core/topology/recent.h"
-#include "core/topology/vertex_bits.h"
 #include "core/topology/vertex_load.h"
-#include "core/topology/vertex_slots.h"
-
-struct mp_vertices {
-	uint64_t key[6];
-	void *memory;   /* where slot lies */
-	uint64_t *slot; /* 1 << bits of them, from the begin of a line */
-	unsigned bits;
-	uint32_t count;
-	uint64_t room; /* vertices that xyz has memory for */
-	bool wide;     /* xyz holds doubles, else floats */
-	void *xyz;     /* 3 * count coordinates */
-	struct mp_recent recent;
-};
+#include "core/topology/vertex_table.h"
 
 enum {
 	FIRST_BITS = 10,          /* slots to begin with: 8 kB, so that small parts stay cheap */
@@ -32,13 +18,13 @@ enum {
 
 #define MOST_VERTICES (UINT32_MAX - 1) /* number + 1 fits 32 bits; UINT32_MAX names none */
 
-struct mp_vertices *mp_vertices_new(const uint8_t key[16], struct mp_error *err)
+static struct mp_vertices *new_empty(const uint64_t key[6], struct mp_error *err)
 {
 	struct mp_vertices *v = calloc(1, sizeof *v);
 
 	if (v == NULL)
 		goto err0;
-	expand_key(key, v->key);
+	memcpy(v->key, key, sizeof v->key);
 	v->bits = FIRST_BITS;
 	v->slot = new_slots(v->bits, &v->memory);
 	if (v->slot == NULL)
@@ -51,6 +37,19 @@ err0:
 	return NULL;
 }
 
+struct mp_vertices *mp_vertices_new(const uint8_t key[16], struct mp_error *err)
+{
+	uint64_t words[6];
+
+	expand_key(key, words);
+	return new_empty(words, err);
+}
+
+struct mp_vertices *mp_vertices_new_like(const struct mp_vertices *v, struct mp_error *err)
+{
+	return new_empty(v->key, err);
+}
+
 void mp_vertices_free(struct mp_vertices *v)
 {
 	if (v == NULL)
@@ -59,99 +58,6 @@ void mp_vertices_free(struct mp_vertices *v)
 	free(v->xyz);
 	mp_recent_free(&v->recent);
 	free(v);
-}
-
-static int grow_slots(struct mp_vertices *v, struct mp_error *err)
-{
-	uint64_t old = (uint64_t)1 << v->bits, mask = 2 * old - 1;
-	void *memory;
-	uint64_t *slot = new_slots(v->bits + 1, &memory);
-
-	if (slot == NULL)
-		return mp_fail_nomem(err);
-	for (uint64_t i = 0; i < old; i++) {
-		uint64_t at;
-
-		if (v->slot[i] == 0)
-			continue;
-		at = home((uint32_t)(v->slot[i] >> 32), v->bits + 1);
-		while (slot[at] != 0)
-			at = (at + 1) & mask;
-		slot[at] = v->slot[i];
-	}
-	free(v->memory);
-	v->memory = memory;
-	v->slot = slot;
-	v->bits++;
-	return 0;
-}
-
-static int resize_xyz(struct mp_vertices *v, uint64_t room, bool wide, struct mp_error *err)
-{
-	uint64_t each = 3 * (wide ? sizeof(double) : sizeof(float));
-	size_t bytes;
-	void *p;
-
-	if (room > SIZE_MAX / each - 1)
-		return mp_fail_nomem(err);
-	bytes = (size_t)(room * each) + sizeof(double); /* one behind: vertices.h */
-	p = realloc(v->xyz, bytes);
-	if (p == NULL)
-		return mp_fail_nomem(err);
-	v->xyz = mp_huge(p, bytes);
-	v->room = room;
-	return 0;
-}
-
-/* Doubles have other hashes than floats: all slots anew, in memory that was there before. */
-static void hash_again(struct mp_vertices *v)
-{
-	uint64_t mask = ((uint64_t)1 << v->bits) - 1;
-
-	memset(v->slot, 0, (size_t)(mask + 1) * sizeof *v->slot);
-	for (uint32_t i = 0; i < v->count; i++) {
-		uint32_t tag = hash(v->key, true, (const double *)v->xyz + 3 * (size_t)i);
-		uint64_t at = home(tag, v->bits);
-
-		while (v->slot[at] != 0)
-			at = (at + 1) & mask;
-		v->slot[at] = (uint64_t)tag << 32 | (i + 1);
-	}
-}
-
-/* From floats to doubles, in place from the end.  Numbers stay as they are. */
-static int widen(struct mp_vertices *v, struct mp_error *err)
-{
-	unsigned char *bytes;
-
-	if (v->room > 0 && resize_xyz(v, v->room, true, err))
-		return -1;
-	bytes = v->xyz;
-	for (size_t i = 3 * (size_t)v->count; i-- > 0;) {
-		float narrow;
-		double x;
-
-		memcpy(&narrow, bytes + i * sizeof narrow, sizeof narrow);
-		x = (double)narrow;
-		memcpy(bytes + i * sizeof x, &x, sizeof x);
-	}
-	v->wide = true;
-	hash_again(v);
-	return 0;
-}
-
-/* Make room for ${extra} more vertices, so that nothing moves while a batch is looked up. */
-static int reserve(struct mp_vertices *v, unsigned extra, struct mp_error *err)
-{
-	uint64_t want = (uint64_t)v->count + extra;
-
-	/* At most 5 of 8 slots are taken: a miss looks at 4 slots on average, a hit at 2. */
-	while (want > ((uint64_t)5 << v->bits) / 8)
-		if (grow_slots(v, err))
-			return -1;
-	if (want > v->room)
-		return resize_xyz(v, want + want / 2, v->wide, err);
-	return 0;
 }
 
 /* The corners of a batch, without -0, as the table keeps them: equal ones have equal bits. */
@@ -176,6 +82,12 @@ INLINE const void *key_of(const struct batch *b, bool wide, unsigned i)
 	return wide ? (const void *)b->key.wide[i] : (const void *)b->key.narrow[i];
 }
 
+static int fail_most(const struct mp_vertices *v, struct mp_error *err)
+{
+	return mp_fail_limit(err, MP_NO_BYTE, MOST_VERTICES, (uint64_t)v->count + 1,
+			     "more than 4294967294 different vertices");
+}
+
 INLINE int find_or_add(struct mp_vertices *v, bool wide, const void *key, struct mp_slot_corner *c,
 		       struct mp_error *err)
 {
@@ -190,8 +102,7 @@ INLINE int find_or_add(struct mp_vertices *v, bool wide, const void *key, struct
 			return 0;
 	}
 	if (v->count >= MOST_VERTICES)
-		return mp_fail_limit(err, MP_NO_BYTE, MOST_VERTICES, (uint64_t)v->count + 1,
-				     "more than 4294967294 different vertices");
+		return fail_most(v, err);
 	c->number = v->count++;
 	memcpy(xyz + c->number * each, key, each);
 	v->slot[at] = (uint64_t)c->tag << 32 | v->count;
@@ -220,6 +131,7 @@ INLINE int look_up_as(struct mp_vertices *v, bool wide, struct batch *b, unsigne
 	for (unsigned i = 0; i < n; i++)
 		if (find_or_add(v, wide, key_of(b, wide, i), &b->corner[i], err))
 			return -1;
+	v->hashed = v->count;
 	return 0;
 }
 
@@ -248,25 +160,26 @@ static int look_up_rest(struct mp_vertices *v, struct batch *b, unsigned n, uint
 	return 0;
 }
 
-/* One of the two: corners, or all of a block. */
+/* One of the three: corners, or all of a block. */
 struct source {
 	const double (*point)[3];
+	const float (*narrow)[3];
 	const float (*xyz)[MP_BLOCK];
 };
 
-/* ${n} triangles from ${at} on. */
-static void load_block(const float (*xyz)[MP_BLOCK], size_t at, unsigned n, bool wide,
-		       struct batch *b)
+/* ${n} corners from ${done} on, of floats. */
+static void load_floats(const struct source *from, size_t done, unsigned n, bool wide,
+			struct batch *b)
 {
-	if (!wide) {
-		load_columns(xyz, at, n, b->key.narrow[0]);
-	} else {
-		float narrow[3 * CORNERS] = {0};
+	float held[CORNERS][3] = {{0}}, (*narrow)[3] = wide ? held : b->key.narrow;
 
-		load_columns(xyz, at, n, narrow);
-		for (unsigned i = 0; i < 9 * n; i++)
-			b->key.wide[i / 3][i % 3] = bits_of((double)narrow[i]);
-	}
+	if (from->xyz != NULL)
+		load_columns(from->xyz, done / 3, n / 3, narrow[0]);
+	else
+		for (unsigned i = 0; i < 3 * n; i++)
+			narrow[i / 3][i % 3] = from->narrow[done + i / 3][i % 3] + 0.0F;
+	for (unsigned i = 0; wide && i < 3 * n; i++)
+		b->key.wide[i / 3][i % 3] = bits_of((double)held[i / 3][i % 3]);
 }
 
 /* ${n} corners from ${done} on. */
@@ -275,12 +188,12 @@ static int load(struct mp_vertices *v, const struct source *from, size_t done, u
 {
 	const double *x;
 
-	if (from->xyz != NULL) {
-		load_block(from->xyz, done / 3, n / 3, v->wide, b);
+	if (from->point == NULL) {
+		load_floats(from, done, n, v->wide, b);
 		return 0;
 	}
 	x = from->point[done];
-	if (!v->wide && load_narrow(x, 3 * n, b->key.narrow[0]) && widen(v, err))
+	if (!v->wide && load_narrow(x, 3 * n, b->key.narrow[0]) && mp_table_widen(v, err))
 		return -1;
 	if (v->wide)
 		load_wide(x, 3 * n, b->key.wide[0]);
@@ -292,7 +205,7 @@ static int add_batch(struct mp_vertices *v, const struct source *from, size_t do
 {
 	struct batch b;
 
-	if (reserve(v, n, err) || load(v, from, done, n, &b, err))
+	if (mp_table_reserve(v, n, err) || load(v, from, done, n, &b, err))
 		return -1;
 	if (recent && v->count >= RECENT_FROM && v->count < RECENT_UP_TO &&
 	    mp_recent_wanted(&v->recent, v->wide))
@@ -340,6 +253,43 @@ int mp_vertices_add_points(struct mp_vertices *v, const double (*point)[3], size
 	const struct source from = {.point = point};
 
 	return add_all(v, &from, count, false, out, err);
+}
+
+int mp_vertices_add_float_points(struct mp_vertices *v, const float (*point)[3], size_t count,
+				 uint32_t *out, struct mp_error *err)
+{
+	const struct source from = {.narrow = point};
+
+	return add_all(v, &from, count, false, out, err);
+}
+
+int mp_vertices_append(struct mp_vertices *v, const float (*point)[3], size_t count,
+		       struct mp_error *err)
+{
+	const float *from = (const float *)(const void *)point;
+	size_t at = 3 * (size_t)v->count;
+
+	if (count > MOST_VERTICES - v->count)
+		return fail_most(v, err);
+	if (mp_table_reserve_xyz(v, v->count + (uint64_t)count, err))
+		return -1;
+	for (size_t i = 0; i < 3 * count && !v->wide; i++)
+		((float *)v->xyz)[at + i] = from[i] + 0.0F;
+	for (size_t i = 0; i < 3 * count && v->wide; i++)
+		((double *)v->xyz)[at + i] = (double)from[i] + 0.0;
+	v->count += (uint32_t)count;
+	return 0;
+}
+
+void mp_vertices_expect(struct mp_vertices *v, uint64_t count, bool look_up)
+{
+	struct mp_error ignored;
+	uint64_t all = v->count + count + CORNERS;
+
+	if (count >= MOST_VERTICES - v->count || (look_up && mp_table_expect(v, all, &ignored)))
+		return;
+	if (all > v->room)
+		(void)mp_table_resize(v, all, v->wide, &ignored);
 }
 
 uint32_t mp_vertices_count(const struct mp_vertices *v)
@@ -394,5 +344,5 @@ void mp_vertices_seal(struct mp_vertices *v)
 	v->memory = v->slot = NULL;
 	mp_recent_free(&v->recent);
 	if (v->count > 0) /* what was in reserve; keeping it is no error */
-		(void)resize_xyz(v, v->count, v->wide, &ignored);
+		(void)mp_table_resize(v, v->count, v->wide, &ignored);
 }

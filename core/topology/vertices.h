@@ -1,6 +1,7 @@
 #ifndef MP_VERTICES_H
 #define MP_VERTICES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -18,6 +19,8 @@ struct mp_vertices;
 
 /* NULL with ${err} filled when memory is out. */
 struct mp_vertices *mp_vertices_new(const uint8_t key[16], struct mp_error *err);
+/* An empty one with the key of ${v}. */
+struct mp_vertices *mp_vertices_new_like(const struct mp_vertices *v, struct mp_error *err);
 void mp_vertices_free(struct mp_vertices *);
 
 /*
@@ -34,6 +37,22 @@ int mp_vertices_add_floats(struct mp_vertices *, const float (*xyz)[MP_BLOCK], s
 /* The same of ${count} points, of which few are expected to repeat one that came just before. */
 int mp_vertices_add_points(struct mp_vertices *, const double (*point)[3], size_t count,
 			   uint32_t *out, struct mp_error *err);
+int mp_vertices_add_float_points(struct mp_vertices *, const float (*point)[3], size_t count,
+				 uint32_t *out, struct mp_error *err);
+
+/*
+ * ${count} points that are none of the table's, and of which no two are the same, get the next
+ * numbers.
+ */
+int mp_vertices_append(struct mp_vertices *, const float (*point)[3], size_t count,
+		       struct mp_error *err);
+
+/*
+ * At most ${count} more vertices are to come, which lie in memory already: makes room for them at
+ * once, and for what it takes to look them up.  Where they are more, or there is no memory, it
+ * grows as before.
+ */
+void mp_vertices_expect(struct mp_vertices *, uint64_t count, bool look_up);
 
 uint32_t mp_vertices_count(const struct mp_vertices *);
 

@@ -63,7 +63,7 @@ static uint8_t *promise(const uint8_t told[TOLD])
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-	static struct draco_seen whole, other;
+	static struct draco_seen whole, other = {.as_floats = true};
 	uint8_t told[TOLD] = {0}, *values;
 	size_t n = size < TOLD ? size : TOLD;
 	uint64_t most;

@@ -124,9 +124,11 @@ struct draco_seen {
 	double tri[DRACO_SEEN][9];
 	uint32_t index[DRACO_SEEN][3];
 	size_t count, indices;
+	uint64_t expected; /* triangles; 0: it did not say */
 	bool wrong;
 	size_t fail_at; /* the sink refuses the block with this triangle; 0 = never */
 	bool fail_indices;
+	bool as_floats; /* have them as floats, if the decoder does so */
 };
 
 static inline int draco_seen_indices(void *self, const uint32_t (*tri)[3], size_t count,
@@ -160,15 +162,46 @@ static inline int draco_seen_block(void *self, const double (*tri)[9], size_t co
 	return 0;
 }
 
+/* What was expected is what comes. */
+static inline int draco_seen_floats(void *self, const float (*xyz)[MP_BLOCK], size_t count,
+				    struct mp_error *err)
+{
+	struct draco_seen *s = self;
+	double tri[MP_BLOCK][9];
+
+	s->wrong |= s->expected == 0 || s->count + count > s->expected;
+	for (size_t i = 0; i < 9 * count; i++)
+		tri[i / 9][i % 9] = (double)xyz[i % 9][i / 9];
+	return draco_seen_block(self, (const double(*)[9])tri, count, err);
+}
+
+static inline void draco_seen_expect(void *self, uint64_t triangles, const struct mp_points *p)
+{
+	struct draco_seen *s = self;
+
+	s->wrong |= s->expected != 0 || s->count != 0 || triangles == 0;
+	s->expected = triangles;
+	for (size_t i = 0; i < p->count; i++) { /* all of them are there, and numbers */
+		float xyz[3];
+
+		memcpy(xyz, p->data + i * p->stride, sizeof xyz);
+		for (unsigned k = 0; k < 3; k++)
+			s->wrong |= !(xyz[k] - xyz[k] == 0);
+	}
+}
+
 /* Cut behind ${first} bytes, then every ${step}; each chunk is a heap copy of its exact size. */
 static inline void draco_decode(struct draco_seen *s, const uint8_t *bytes, size_t len,
 				size_t first, size_t step, uint64_t most)
 {
-	const struct mp_sink sink = {
-	    .block = draco_seen_block, .self = s, .indices = draco_seen_indices};
+	const struct mp_sink sink = {.block = draco_seen_block,
+				     .self = s,
+				     .indices = draco_seen_indices,
+				     .floats = s->as_floats ? draco_seen_floats : NULL,
+				     .expect = draco_seen_expect};
 	const struct mp_limits limits = {most};
 	size_t fail_at = s->fail_at, at = 0, n = first;
-	bool fail_indices = s->fail_indices;
+	bool fail_indices = s->fail_indices, as_floats = s->as_floats;
 	void *state = NULL;
 
 	memset(s, 0,
@@ -176,6 +209,7 @@ static inline void draco_decode(struct draco_seen *s, const uint8_t *bytes, size
 	memset(&s->count, 0, sizeof *s - offsetof(struct draco_seen, count));
 	s->fail_at = fail_at;
 	s->fail_indices = fail_indices;
+	s->as_floats = as_floats;
 	s->ret = mp_draco_decoder.begin(&state, &sink, &limits, &s->notes, &s->err);
 	while (s->ret == 0 && at < len) {
 		uint8_t *chunk;
@@ -200,7 +234,7 @@ static inline void draco_decode(struct draco_seen *s, const uint8_t *bytes, size
 	mp_draco_decoder.end(state);
 }
 
-/* Where a chunk ends never matters, not even for the wording of an error. */
+/* Neither where a chunk ends nor the form matters, not even for the wording of an error. */
 static inline bool draco_same(const struct draco_seen *a, const struct draco_seen *b)
 {
 	size_t kept;

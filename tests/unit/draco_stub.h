@@ -12,7 +12,7 @@
 #include "core/draco/draco_wrap.h"
 
 struct mp_draco_mesh {
-	char nothing;
+	uint32_t (*face)[3]; /* exactly as many as it says */
 };
 
 static struct draco_stub {
@@ -25,6 +25,23 @@ static struct draco_stub {
 	bool wrong;
 	size_t alive; /* meshes */
 } draco_stub;
+
+static inline struct mp_draco_mesh *draco_stub_mesh(void)
+{
+	size_t faces = (size_t)draco_stub.shape.faces;
+	struct mp_draco_mesh *m = malloc(sizeof *m);
+
+	if (m == NULL)
+		return NULL;
+	m->face = malloc(faces > 0 ? faces * sizeof *m->face : 1);
+	if (m->face == NULL) {
+		free(m);
+		return NULL;
+	}
+	for (size_t i = 0; i < faces; i++)
+		memcpy(m->face[i], draco_stub.face[i % draco_stub.face_count], sizeof m->face[i]);
+	return m;
+}
 
 enum mp_draco_verdict mp_draco_decode(const uint8_t *file, size_t len, struct mp_draco_mesh **out,
 				      struct mp_draco_shape *shape, char *why, size_t room)
@@ -40,38 +57,35 @@ enum mp_draco_verdict mp_draco_decode(const uint8_t *file, size_t len, struct mp
 	*shape = draco_stub.shape;
 	if (shape->used > len)
 		shape->used = len;
-	*out = malloc(sizeof **out);
+	*out = draco_stub_mesh();
 	if (*out == NULL)
 		return MP_DRACO_NO_MEMORY;
 	draco_stub.alive++;
 	return MP_DRACO_DECODED;
 }
 
-void mp_draco_faces(const struct mp_draco_mesh *mesh, uint64_t first, size_t count,
-		    uint32_t (*point)[3])
+const uint32_t (*mp_draco_faces(const struct mp_draco_mesh *mesh))[3]
 {
-	(void)mesh;
-	if (count > draco_stub.shape.faces || first > draco_stub.shape.faces - count)
-		draco_stub.wrong = true;
-	for (size_t i = 0; i < count; i++)
-		memcpy(point[i], draco_stub.face[(first + i) % draco_stub.face_count],
-		       sizeof point[i]);
+	return (const uint32_t(*)[3])mesh->face;
 }
 
-void mp_draco_values(const struct mp_draco_mesh *mesh, uint32_t *point, size_t count)
+bool mp_draco_values(const struct mp_draco_mesh *mesh, const uint32_t (*point)[3], size_t count,
+		     uint32_t (*value)[3])
 {
 	(void)mesh;
-	for (size_t i = 0; i < count; i++) {
-		if (point[i] >= draco_stub.shape.mapped)
+	for (size_t i = 0; i < 3 * count; i++)
+		if (point[i / 3][i % 3] >= draco_stub.shape.mapped)
 			draco_stub.wrong = true;
 		else if (draco_stub.value != NULL)
-			point[i] = draco_stub.value[point[i]];
-	}
+			value[i / 3][i % 3] = draco_stub.value[point[i / 3][i % 3]];
+	return draco_stub.value != NULL;
 }
 
 void mp_draco_free(struct mp_draco_mesh *mesh)
 {
 	draco_stub.alive -= mesh != NULL;
+	if (mesh != NULL)
+		free(mesh->face);
 	free(mesh);
 }
 

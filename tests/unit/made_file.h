@@ -13,10 +13,17 @@ struct made_range {
 	const char *name; /* NULL behind the last one */
 };
 
+enum made_form {
+	MADE_BLOCKS,  /* of doubles */
+	MADE_FLOATS,  /* the same as floats; the coordinates have to be some */
+	MADE_EXPECTED /* and its points, by their numbers, before the triangles */
+};
+
 struct made_file {
 	const struct mesh *mesh;
 	const uint32_t (*index)[3]; /* of every triangle; NULL: no numbers */
 	const struct made_range *parts, *objects, *materials; /* NULL: none */
+	enum made_form form;
 };
 
 /* All of it but the report.  NULL with ${err}. */

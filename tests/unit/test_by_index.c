@@ -37,6 +37,18 @@ static void number_by_place(struct numbered *n)
 	}
 }
 
+/* A torus whose coordinates are floats. */
+static struct numbered torus(int around, int section)
+{
+	struct numbered n = {.index = NULL};
+
+	mesh_torus(&n.mesh, 3, 1, around, section);
+	for (size_t i = 0; i < 9 * n.mesh.count; i++)
+		n.mesh.tri[i / 9][i % 9] = (double)(float)n.mesh.tri[i / 9][i % 9];
+	number_by_place(&n);
+	return n;
+}
+
 static struct numbered cube(double x, double size)
 {
 	const double min[3] = {x, 0, 0}, max[3] = {x + size, size, size};
@@ -54,21 +66,51 @@ static void drop(struct numbered *n)
 	n->index = NULL;
 }
 
-/* What is reported of ${count} files; of the topology only the counts are good afterwards. */
-static struct mp_by_index look(const struct numbered *files, size_t count,
-			       struct mp_topology *topology)
+static void report_as(enum made_form form, const struct numbered *files, size_t count,
+		      struct mp_report *r)
 {
 	const struct mp_request request = request_plain();
 	struct made_file made[3] = {{.mesh = NULL}};
-	struct mp_by_index by;
-	struct mp_report r;
 	struct mp_error err;
 
 	assert_true(count <= 3);
 	for (size_t i = 0; i < count; i++)
 		made[i] = (struct made_file){.mesh = &files[i].mesh,
-					     .index = (const uint32_t(*)[3])files[i].index};
-	assert_int_equal(made_report(made, count, &request, &r, &err), 0);
+					     .index = (const uint32_t(*)[3])files[i].index,
+					     .form = files[i].index == NULL ? MADE_BLOCKS : form};
+	assert_int_equal(made_report(made, count, &request, r, &err), 0);
+}
+
+/* Vertices are the same in whatever form they come. */
+static void assert_same_mesh(const struct mp_report *a, const struct mp_report *b)
+{
+	assert_int_equal(a->triangles, b->triangles);
+	assert_memory_equal(a->tri, b->tri, a->triangles * sizeof *a->tri);
+	assert_int_equal(mp_vertices_count(a->vertices), mp_vertices_count(b->vertices));
+	for (uint32_t i = 0; i < mp_vertices_count(a->vertices); i++) {
+		double p[3], q[3];
+
+		mp_vertices_get(a->vertices, i, p);
+		mp_vertices_get(b->vertices, i, q);
+		assert_memory_equal(p, q, sizeof p);
+	}
+	assert_memory_equal(&a->by_index, &b->by_index, sizeof a->by_index);
+	assert_memory_equal(&a->total, &b->total, sizeof a->total);
+}
+
+/* What is reported of ${count} files; of the topology only the counts are good afterwards. */
+static struct mp_by_index look(const struct numbered *files, size_t count,
+			       struct mp_topology *topology)
+{
+	struct mp_by_index by;
+	struct mp_report r, other;
+
+	report_as(MADE_BLOCKS, files, count, &r);
+	for (enum made_form form = MADE_FLOATS; form <= MADE_EXPECTED; form++) {
+		report_as(form, files, count, &other);
+		assert_same_mesh(&r, &other);
+		mp_report_free(&other);
+	}
 	by = r.by_index;
 	if (topology != NULL)
 		*topology = r.topology;
@@ -290,12 +332,10 @@ static void random_numbers(void **state)
 
 	(void)state;
 	for (int round = 0; round < 300; round++) {
-		struct numbered n = {.index = NULL};
+		struct numbered n = torus(4, 3); /* vertices 0 to 11 */
 		struct mp_by_index by, want;
 		struct mp_topology t;
 
-		mesh_torus(&n.mesh, 3, 1, 4, 3); /* vertices 0 to 11 */
-		number_by_place(&n);
 		for (int i = 0; i < round % 4; i++)
 			move(&n, (uint32_t)(soup_random(&random) % 12),
 			     (uint32_t)(soup_random(&random) % 12));
@@ -322,33 +362,33 @@ static void random_numbers(void **state)
 static void failing_allocations(void **state)
 {
 	const struct mp_request request = request_plain();
-	struct numbered n = {.index = NULL};
-	struct made_file made;
-	struct mp_report r;
-	struct mp_error err;
-	long count, last;
+	struct numbered n = torus(30, 10);
 
 	(void)state;
-	mesh_torus(&n.mesh, 3, 1, 30, 10);
-	number_by_place(&n);
-	n.index[0][0] = 5000;
-	made = (struct made_file){.mesh = &n.mesh, .index = (const uint32_t(*)[3])n.index};
-	last = alloc_count();
-	assert_int_equal(made_report(&made, 1, &request, &r, &err), 0);
-	assert_true(r.by_index.given);
-	mp_report_free(&r);
-	last = alloc_count() - last;
-	for (count = 1; count <= last; count++) {
-		int ret;
+	n.index[0][0] = 500;
+	for (enum made_form form = MADE_BLOCKS; form <= MADE_EXPECTED; form++) {
+		struct made_file made = {&n.mesh, (const uint32_t(*)[3])n.index, .form = form};
+		struct mp_report r;
+		struct mp_error err;
+		long last = alloc_count();
 
-		alloc_fail_at(count);
-		ret = made_report(&made, 1, &request, &r, &err);
-		alloc_fail_at(0);
-		if (ret == 0) { /* shrinking may fail */
-			assert_int_equal(r.by_index.boundary_edges, 4);
-			mp_report_free(&r);
-		} else {
-			assert_int_equal(err.code, MP_NOMEM);
+		assert_int_equal(made_report(&made, 1, &request, &r, &err), 0);
+		assert_true(r.by_index.given);
+		mp_report_free(&r);
+		last = alloc_count() - last;
+		for (long count = 1; count <= last; count++) {
+			int ret;
+
+			alloc_fail_at(count);
+			ret = made_report(&made, 1, &request, &r, &err);
+			alloc_fail_at(0);
+			if (ret == 0) { /* what only helps may fail */
+				assert_int_equal(r.by_index.boundary_edges, 4);
+				assert_int_equal(mp_vertices_count(r.vertices), 300);
+				mp_report_free(&r);
+			} else {
+				assert_int_equal(err.code, MP_NOMEM);
+			}
 		}
 	}
 	drop(&n);

@@ -15,7 +15,7 @@
 
 static const size_t all = SIZE_MAX; /* one chunk */
 static const uint64_t roomy = 1000000;
-static struct draco_seen whole, other;
+static struct draco_seen whole, other = {.as_floats = true};
 static struct draco_file file;
 
 /* The tetrahedron of (0,0,0), (2,0,0), (0,3,0), (0,0,4), wound outward. */

@@ -15,7 +15,7 @@
 static const uint64_t roomy = 1000000;
 static const uint32_t face[2][3] = {{0, 1, 2}, {2, 1, 3}};
 static const uint32_t swapped[4] = {1, 0, 3, 2};
-static struct draco_seen seen;
+static struct draco_seen seen, floats = {.as_floats = true};
 static uint8_t *values; /* 4 positions, exactly as long as it says */
 
 /* A good mesh of two triangles; every test spoils one thing. */
@@ -52,6 +52,8 @@ static void decode(uint64_t most)
 	draco_put(&file, "\0\4\2\0\2\0", 6); /* edgebreaker of 2 faces */
 	draco_put(&file, "anything", 8);
 	draco_decode(&seen, file.bytes, file.len, SIZE_MAX, SIZE_MAX, most);
+	draco_decode(&floats, file.bytes, file.len, SIZE_MAX, SIZE_MAX, most);
+	assert_true(draco_same(&seen, &floats));
 	assert_false(draco_stub.wrong);
 	assert_false(seen.wrong);
 	assert_int_equal(draco_stub.alive, 0);
@@ -94,6 +96,44 @@ static void positions_may_lie_apart(void **state)
 	assert_true(seen.tri[0][0] == 1 && seen.tri[0][8] == 9);
 	draco_stub.shape.values = 4; /* the last would end 4 bytes behind the data */
 	check_refused(MP_SYNTAX, "fewer");
+}
+
+/* As many as are worked on together and more; the last position has nothing behind it. */
+static void every_corner_gets_its_position(void **state)
+{
+	uint32_t corner[600][3];
+
+	(void)state;
+	for (uint64_t faces = 1; faces <= 600; faces += faces < 20 ? 1 : 29)
+		for (uint32_t last = 0; last < 2; last++) {
+			for (size_t i = 0; i < 3 * faces; i++)
+				corner[i / 3][i % 3] = (uint32_t)(i * i % 7 % (3 + last));
+			set_up();
+			draco_stub.shape.faces = draco_stub.face_count = faces;
+			draco_stub.face = (const uint32_t(*)[3])corner;
+			decode(roomy);
+			assert_int_equal(seen.ret, 0);
+			assert_int_equal(floats.count, faces);
+			assert_int_equal(floats.expected, faces);
+			for (size_t i = 0; i < 9 * faces; i++)
+				assert_true(floats.tri[i / 9][i % 9] ==
+					    3 * corner[i / 9][i / 3 % 3] + i % 3);
+		}
+}
+
+static void positions_that_nobody_names_may_be_anything(void **state)
+{
+	const float bad = NAN;
+
+	(void)state;
+	set_up();
+	memcpy(values + 36, &bad, sizeof bad);
+	draco_stub.face_count = 1;
+	decode(roomy);
+	assert_int_equal(seen.ret, 0);
+	assert_int_equal(floats.expected, 0);
+	draco_stub.face_count = 2;
+	check_refused(MP_NON_FINITE, "face 1 (from 0): x of position 3 is not finite");
 }
 
 static void what_claims_too_much_is_refused(void **state)
@@ -199,6 +239,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(a_good_mesh_is_passed_on),
 	    cmocka_unit_test(positions_may_lie_apart),
+	    cmocka_unit_test(every_corner_gets_its_position),
+	    cmocka_unit_test(positions_that_nobody_names_may_be_anything),
 	    cmocka_unit_test(what_claims_too_much_is_refused),
 	    cmocka_unit_test(indices_are_checked_at_every_step),
 	    cmocka_unit_test(the_limit_counts_what_was_decoded),

@@ -266,6 +266,54 @@ static void large_meshes_are_numbered_in_any_order(void **unused)
 	free(out);
 }
 
+/* What was appended is found, whether more comes as floats or as doubles. */
+static void appended_vertices_are_found_later(void **unused)
+{
+	enum { N = 3000 };
+	float(*point)[3] = malloc(N * sizeof *point);
+	double(*again)[3] = malloc(N * sizeof *again);
+	uint32_t *out = malloc(N * sizeof *out);
+
+	(void)unused;
+	for (int form = 0; form < 3; form++) { /* floats, doubles that are floats, others */
+		struct mp_vertices *v = mp_vertices_new(some_key, NULL);
+		const double third[1][3] = {{1.0 / 3, 0, 0}};
+		double p[3];
+
+		for (int i = 0; i < N; i++) {
+			point[i][0] = (float)i;
+			point[i][1] = i % 2 ? -0.0F : 0.0F;
+			point[i][2] = (float)-i;
+		}
+		mp_vertices_expect(v, form == 0 ? N : 10, form == 1);
+		assert_int_equal(mp_vertices_append(v, (const float(*)[3])point, N / 2, NULL), 0);
+		assert_int_equal(mp_vertices_append(v, (const float(*)[3])point, 0, NULL), 0);
+		if (form == 2)
+			assert_int_equal(mp_vertices_add_points(v, third, 1, out, NULL), 0);
+		assert_int_equal(
+		    mp_vertices_append(v, (const float(*)[3])point + N / 2, N - N / 2, NULL), 0);
+		assert_int_equal(mp_vertices_count(v), form == 2 ? N + 1 : N);
+		for (int i = 0; i < N; i++)
+			for (int k = 0; k < 3; k++)
+				again[i][k] = (double)point[i][k];
+		assert_int_equal(
+		    form == 0
+			? mp_vertices_add_float_points(v, (const float(*)[3])point, N, out, NULL)
+			: mp_vertices_add_points(v, (const double(*)[3])again, N, out, NULL),
+		    0);
+		assert_int_equal(mp_vertices_count(v), form == 2 ? N + 1 : N);
+		for (uint32_t i = 0; i < N; i++) {
+			assert_int_equal(out[i], i + (form == 2 && i >= N / 2));
+			mp_vertices_get(v, out[i], p);
+			assert_true(p[0] == i && !signbit(p[1]) && p[2] == -(double)i);
+		}
+		mp_vertices_free(v);
+	}
+	free(point);
+	free(again);
+	free(out);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -278,6 +326,7 @@ int main(void)
 	    cmocka_unit_test(equal_hashes_are_told_apart),
 	    cmocka_unit_test(a_failed_allocation_is_reported),
 	    cmocka_unit_test(large_meshes_are_numbered_in_any_order),
+	    cmocka_unit_test(appended_vertices_are_found_later),
 	};
 
 	return cmocka_run_group_tests_name("vertices", tests, NULL, NULL);
