@@ -51,7 +51,7 @@ static int to_file(struct srv_body *b, const uint8_t *bytes, size_t len)
 
 int srv_body_add(struct srv_body *b, const uint8_t *bytes, size_t len)
 {
-	size_t size = b->size == 0 ? 4096 : b->size;
+	size_t size = b->size == 0 ? 1024 : b->size;
 	uint8_t *grown;
 
 	if (b->fd >= 0 || b->len + len > SRV_BODY_SMALL)

@@ -129,7 +129,8 @@ static bool measure_all(const struct mp_mesh *mesh, const struct mp_topology *t,
 		}
 		if (closed) {
 			set_winding(b, i, &solid);
-			mp_merge_add(merge, &solid);
+			if (!mp_bodies_alone(mesh, t)) /* else it is the sum */
+				mp_merge_add(merge, &solid);
 			mp_named_add(named, i, &solid);
 		}
 		if (i < b->listed)

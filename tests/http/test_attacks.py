@@ -173,7 +173,7 @@ def test_answers_that_nobody_reads():
 
 
 def test_a_limit_of_connections():
-    """Fewer of them where there is little memory: every head may take 128 kB."""
+    """Fewer of them where there is little memory: every head may take 64 kB."""
     with Daemon("--workers", "1", "--memory", "64MB") as d:
         held = [d.connect() for _ in range(300)]
         a = ask(d.port, request())
