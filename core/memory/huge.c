@@ -2,6 +2,7 @@
 
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/mman.h>
 
 enum {
@@ -33,4 +34,18 @@ void *mp_huge(void *table, size_t size)
 void mp_huge_heap(size_t bytes)
 {
 	free(mp_huge(malloc(bytes), bytes));
+}
+
+void *mp_huge_grow(void *table, size_t used, size_t size)
+{
+	void *new;
+
+	if (size < LARGE)
+		return realloc(table, size);
+	new = mp_huge(malloc(size), size);
+	if (new != NULL && used > 0)
+		memcpy(new, table, used);
+	if (new != NULL)
+		free(table);
+	return new;
 }

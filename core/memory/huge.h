@@ -19,4 +19,10 @@ void *mp_huge(void *table, size_t size);
  */
 void mp_huge_heap(size_t bytes);
 
+/*
+ * realloc(table, size) of a table of which the first ${used} bytes matter: asks for huge pages
+ * before the new one is filled, not after.  NULL: no memory, and ${table} is as it was.
+ */
+void *mp_huge_grow(void *table, size_t used, size_t size);
+
 #endif

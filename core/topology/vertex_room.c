@@ -34,16 +34,17 @@ static int grow_slots(struct mp_vertices *v, unsigned bits, struct mp_error *err
 int mp_table_resize(struct mp_vertices *v, uint64_t room, bool wide, struct mp_error *err)
 {
 	uint64_t each = 3 * (wide ? sizeof(double) : sizeof(float));
-	size_t bytes;
+	size_t bytes, used = 3 * (size_t)v->count * (v->wide ? sizeof(double) : sizeof(float));
+	bool shrinks = room <= v->room && wide == v->wide;
 	void *p;
 
 	if (room > SIZE_MAX / each - 1)
 		return mp_fail_nomem(err);
 	bytes = (size_t)(room * each) + sizeof(double); /* one behind: vertices.h */
-	p = realloc(v->xyz, bytes);
+	p = shrinks ? realloc(v->xyz, bytes) : mp_huge_grow(v->xyz, used, bytes);
 	if (p == NULL)
 		return mp_fail_nomem(err);
-	v->xyz = mp_huge(p, bytes);
+	v->xyz = p;
 	v->room = room;
 	return 0;
 }

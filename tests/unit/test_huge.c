@@ -68,6 +68,33 @@ static void its_bytes_stay(void **state)
 	free(table);
 }
 
+static void a_table_grows_on_huge_pages(void **state)
+{
+	FILE *f = fopen("/sys/kernel/mm/transparent_hugepage/enabled", "r");
+	unsigned char *table = mp_huge_grow(NULL, 0, 1 << 20), *large;
+	int advised;
+
+	(void)state;
+	assert_non_null(table);
+	for (size_t i = 0; i < 1 << 20; i++)
+		table[i] = (unsigned char)(i * 2654435761u >> 24);
+	table = mp_huge_grow(table, 1 << 20, 2 << 20);
+	assert_non_null(table);
+	large = mp_huge_grow(table, 1 << 20, LARGE);
+	assert_non_null(large);
+	for (size_t i = 0; i < 1 << 20; i++)
+		if (large[i] != (unsigned char)(i * 2654435761u >> 24))
+			fail_msg("byte %zu changed", i);
+	advised = is_advised(large + LARGE / 2);
+	assert_null(mp_huge_grow(large, LARGE, SIZE_MAX / 2)); /* and it is there still */
+	large[LARGE - 1] = large[0];
+	free(large);
+	if (f == NULL || advised < 0)
+		skip();
+	fclose(f);
+	assert_int_equal(advised, 1);
+}
+
 static void a_small_table_and_none_are_left_alone(void **state)
 {
 	void *table = malloc(1 << 20);
@@ -118,6 +145,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(a_large_table_is_advised),
 	    cmocka_unit_test(its_bytes_stay),
+	    cmocka_unit_test(a_table_grows_on_huge_pages),
 	    cmocka_unit_test(a_small_table_and_none_are_left_alone),
 	    cmocka_unit_test(what_others_get_later_is_advised),
 	};
