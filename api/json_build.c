@@ -349,7 +349,7 @@ char *api_json_finish(struct api_json *j, size_t *len)
 	if (j->root != NULL)
 		end_member(j);
 	size = j->text.len + j->names + 64;
-	if (!j->failed) {
+	if (!j->failed && j->root != NULL) {
 		refer(j);
 		text = size < INT_MAX / 2 ? cJSON_PrintBuffered(j->root, (int)size, 0)
 					  : cJSON_PrintUnformatted(j->root);

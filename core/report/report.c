@@ -241,6 +241,7 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	struct mp_uncertainty_state rounded;
 	struct mp_solid whole, stored; /* stored: in the file's frame, as box */
 	struct mp_box box;
+	struct mp_report_later left;
 	bool later = true; /* exact numbers may come in the place of the certified ones */
 
 	memcpy(box.min, a->moments.min, sizeof box.min);
@@ -261,9 +262,8 @@ static int fill(struct mp_analysis *a, const struct mp_request *request, struct 
 	mp_index_compare(&r->by_index, &r->topology);
 	stored = whole;
 	mp_report_masses(request, &mesh, named, &box, &whole, &density, &later, r);
-	x->certified = later ? &whole : NULL;
-	x->density = &density;
-	if (mp_report_exact_whole(x, request, &mesh, bodies, r, err) ||
+	left = (struct mp_report_later){later ? &whole : NULL, &density};
+	if (mp_report_exact_whole(x, request, &mesh, bodies, &left, r, err) ||
 	    mp_report_uncertainty(request, &mesh, &box, &stored, &rounded, r, err))
 		return -1;
 	if (mp_report_crossings(request, &mesh, bodies, a->request.key, r, err))

@@ -158,22 +158,22 @@ static void revive(struct mp_mass *m)
 	m->inertia_defined = m->mass_defined;
 }
 
-static void certify(const struct mp_report_exact *x, struct mp_report *r)
+static void certify(const struct mp_report_later *later, struct mp_report *r)
 {
-	if (x->certified != NULL)
-		mp_report_certify(x->certified, x->certified, x->density, r);
+	if (later->solid != NULL)
+		mp_report_certify(later->solid, later->solid, later->density, r);
 }
 
 /* What is certified of the results in all cases. */
-static void certify_area(const struct mp_report_exact *x, struct mp_report *r)
+static void certify_area(const struct mp_report_later *later, struct mp_report *r)
 {
-	const struct mp_solid *s = x->certified;
+	const struct mp_solid *s = later->solid;
 
 	if (s != NULL && r->total.area_defined)
 		r->bounds.area = mp_ball_distance(mp_ball(s->area, s->area_bound), r->total.area);
 }
 
-static void put_whole(const struct mp_report_exact *x, const struct mp_request *request,
+static void put_whole(const struct mp_report_later *later, const struct mp_request *request,
 		      const struct mp_exact *e, const struct mp_exact_density *density,
 		      struct mp_report *r)
 {
@@ -184,7 +184,7 @@ static void put_whole(const struct mp_report_exact *x, const struct mp_request *
 	struct values v;
 
 	if (mp_exact_sign(e) == 0) {
-		certify(x, r);
+		certify(later, r);
 		if (r->total.volume != 0)
 			return;
 		r->bounds.volume = 0;
@@ -199,10 +199,10 @@ static void put_whole(const struct mp_report_exact *x, const struct mp_request *
 	if (!all_defined(&v, &about_origin, r)) {
 		r->total = before;
 		r->inertia_origin_defined = origin_before;
-		certify(x, r);
+		certify(later, r);
 		return;
 	}
-	certify_area(x, r);
+	certify_area(later, r);
 	put_mass(&v, &r->total);
 	put_inertia(request, e, density, &about_origin, r);
 	put_bounds(request, &v, r);
@@ -269,7 +269,8 @@ static int find_whole(struct mp_report_exact *x, const struct mp_request *reques
 }
 
 int mp_report_exact_whole(struct mp_report_exact *x, const struct mp_request *request,
-			  const struct mp_mesh *mesh, struct mp_bodies *bodies, struct mp_report *r,
+			  const struct mp_mesh *mesh, struct mp_bodies *bodies,
+			  const struct mp_report_later *later, struct mp_report *r,
 			  struct mp_error *err)
 {
 	struct mp_exact_density made;
@@ -277,10 +278,10 @@ int mp_report_exact_whole(struct mp_report_exact *x, const struct mp_request *re
 	int found = find_whole(x, request, mesh, bodies, r, &whole, err);
 
 	if (found > 0)
-		certify(x, r);
+		certify(later, r);
 	if (found != 0)
 		return found < 0 ? -1 : 0;
-	put_whole(x, request, &whole, density_of(request, &whole, &made), r);
+	put_whole(later, request, &whole, density_of(request, &whole, &made), r);
 	mp_exact_free(&whole);
 	return 0;
 }

@@ -67,11 +67,15 @@ int mp_report_crossings(const struct mp_request *request, const struct mp_mesh *
 			const struct mp_bodies *bodies, const uint8_t key[16],
 			struct mp_report *report, struct mp_error *err);
 
+/* What mp_report_certify() is still to be called for; ${solid} NULL: nothing. */
+struct mp_report_later {
+	const struct mp_solid *solid;
+	const struct mp_density *density;
+};
+
 /* Exact numbers beside the certified ones; all 0 is ready. */
 struct mp_report_exact {
 	bool wanted;
-	const struct mp_solid *certified; /* what is still to be certified, NULL: it is */
-	const struct mp_density *density; /* by which it weighs */
 	struct mp_exact_grid grid;
 };
 
@@ -81,12 +85,13 @@ struct mp_report_exact {
  * their bounds, and settle the winding of bodies whose volume could not be told from 0.  Before
  * verdicts are given.  The certified ones stay where names have densities of their own, where
  * some exact result is beyond the range of doubles, and for what is not closed; they are certified
- * then, where x->certified says so.
+ * then, where ${later} asks for it.
  * -1: memory is out.  Free ${x} with mp_report_exact_free(), after a failure too.
  */
 int mp_report_exact_whole(struct mp_report_exact *x, const struct mp_request *request,
 			  const struct mp_mesh *mesh, struct mp_bodies *bodies,
-			  struct mp_report *report, struct mp_error *err);
+			  const struct mp_report_later *later, struct mp_report *report,
+			  struct mp_error *err);
 
 /* The same for the bodies, once they are listed. */
 int mp_report_exact_bodies(const struct mp_report_exact *x, const struct mp_request *request,
