@@ -112,6 +112,16 @@ struct source {
 	const float (*xyz)[MP_BLOCK];
 };
 
+static void take_points(const float (*xyz)[MP_BLOCK], size_t at, struct fresh *f)
+{
+	for (unsigned i = 0; i < f->count; i++) {
+		size_t t = at + f->corner[i] / 4;
+
+		for (unsigned j = 0; j < 3; j++)
+			f->point.narrow[i][j] = xyz[3 * (f->corner[i] % 4) + j][t];
+	}
+}
+
 /* The vertices of fresh numbers of triangles from ${at} on. */
 static int find_vertices(struct mp_index *x, const struct source *from, size_t at,
 			 struct mp_vertices *v, struct fresh *f, struct mp_error *err)
@@ -125,12 +135,7 @@ static int find_vertices(struct mp_index *x, const struct source *from, size_t a
 		return mp_vertices_add_points(v, (const double(*)[3])f->point.wide, f->count,
 					      f->vertex, err);
 	}
-	for (unsigned i = 0; i < f->count; i++) {
-		size_t t = at + f->corner[i] / 4;
-
-		for (unsigned j = 0; j < 3; j++)
-			f->point.narrow[i][j] = from->xyz[3 * (f->corner[i] % 4) + j][t];
-	}
+	take_points(from->xyz, at, f);
 	return x->places.known ? mp_places_add(&x->places, v, f->number, f->point.narrow, f->count,
 					       f->vertex, err)
 			       : mp_vertices_add_float_points(v, (const float(*)[3])f->point.narrow,
@@ -196,6 +201,39 @@ static int add_batch(struct mp_index *x, struct mp_vertices *v, const struct sou
 	return 0;
 }
 
+/* Whether each new number is the next vertex, which nothing has to be looked up for. */
+static bool are_apart(const struct mp_index *x, const struct mp_vertices *v,
+		      const struct source *from)
+{
+	return x->places.known && x->places.first == NULL && from->xyz != NULL &&
+	       x->count == NULL && x->numbers == mp_vertices_count(v);
+}
+
+/* As add_batch(), then. */
+static int add_apart(struct mp_index *x, struct mp_vertices *v, const struct source *from,
+		     size_t at, const uint32_t (*number)[3], unsigned count, uint32_t (*out)[3],
+		     struct mp_error *err)
+{
+	uint32_t *vertex = x->vertex, last = x->numbers;
+	struct fresh f;
+
+	for (unsigned i = 0; i < count; i++)
+		for (unsigned k = 0; k < 3; k++) {
+			uint32_t known = vertex[number[i][k]], is_new = known == 0 ? 1 : 0;
+
+			f.corner[last - x->numbers] = (uint16_t)(4 * i + k);
+			last += is_new;
+			known += is_new * last;
+			vertex[number[i][k]] = known;
+			out[i][k] = known - 1;
+		}
+	f.count = last - x->numbers;
+	x->numbers = last;
+	x->triangles += count;
+	take_points(from->xyz, at, &f);
+	return mp_vertices_append(v, (const float(*)[3])f.point.narrow, f.count, err);
+}
+
 static uint32_t largest(const uint32_t *number, size_t count)
 {
 	uint32_t most = 0;
@@ -220,7 +258,9 @@ static int add(struct mp_index *x, struct mp_vertices *v, const struct source *f
 	for (size_t at = 0; at < count; at += BATCH) {
 		unsigned n = count - at < BATCH ? (unsigned)(count - at) : BATCH;
 
-		if (add_batch(x, v, from, at, number + at, n, out + at, err))
+		if (are_apart(x, v, from)
+			? add_apart(x, v, from, at, number + at, n, out + at, err)
+			: add_batch(x, v, from, at, number + at, n, out + at, err))
 			return -1;
 	}
 	return 0;
