@@ -115,12 +115,13 @@ static void add_sums(struct mp_deviation_sums *to, const struct mp_deviation_sum
 static void end_windows(void *self, bool all)
 {
 	struct mp_uncertainty_state *s = self;
+	struct mp_deviation_sums *window = s->window;
 
-	for (size_t i = 0; i < s->windows && all; i++)
-		add_sums(&s->sums, &s->window[i]);
-	s->seen = all;
-	free(s->window);
 	s->window = NULL;
+	for (size_t i = 0; i < s->windows && all; i++)
+		add_sums(&s->sums, &window[i]);
+	s->seen = all;
+	free(window);
 }
 
 void mp_uncertainty_begin(struct mp_uncertainty_state *state, const struct mp_rounded_solid *s)

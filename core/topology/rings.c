@@ -197,7 +197,7 @@ static int begin(struct mp_rings_look *l)
 {
 	const struct mp_rings *r = l->r;
 	uint32_t count = r->vertices < l->window ? r->vertices : l->window;
-	size_t most = (size_t)(r->mesh->triangles / 4 * 3 + MP_RINGS_BLOCK);
+	size_t most = (size_t)r->mesh->triangles / 4 * 3 + MP_RINGS_BLOCK;
 
 	l->span = malloc(((size_t)l->blocks + 1) * sizeof *l->span);
 	if (l->span == NULL)
