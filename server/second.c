@@ -15,7 +15,7 @@ static void begin(void *self, void (*work)(void *arg), void *arg)
 	pthread_mutex_lock(&s->lock);
 	s->work = work;
 	s->arg = arg;
-	pthread_cond_signal(&s->changed);
+	pthread_cond_signal(&s->given);
 	pthread_mutex_unlock(&s->lock);
 }
 
@@ -25,7 +25,7 @@ static void wait_for_it(void *self)
 
 	pthread_mutex_lock(&s->lock);
 	while (s->work != NULL)
-		pthread_cond_wait(&s->changed, &s->lock);
+		pthread_cond_wait(&s->done, &s->lock);
 	pthread_mutex_unlock(&s->lock);
 }
 
@@ -38,15 +38,15 @@ static void *run(void *self)
 	pthread_mutex_lock(&s->lock);
 	s->refused = refused;
 	s->started = true;
-	pthread_cond_signal(&s->changed);
+	pthread_cond_signal(&s->done);
 	while (!refused) {
 		while (s->work == NULL)
-			pthread_cond_wait(&s->changed, &s->lock);
+			pthread_cond_wait(&s->given, &s->lock);
 		pthread_mutex_unlock(&s->lock);
 		s->work(s->arg);
 		pthread_mutex_lock(&s->lock);
 		s->work = NULL;
-		pthread_cond_signal(&s->changed);
+		pthread_cond_signal(&s->done);
 	}
 	pthread_mutex_unlock(&s->lock);
 	return NULL;
@@ -83,12 +83,13 @@ int srv_second_start(struct srv_second *s, enum srv_sandbox_mode sandbox)
 	s->lent = (struct mp_second){.begin = begin, .wait = wait_for_it, .self = s};
 	s->sandbox = sandbox;
 	pthread_mutex_init(&s->lock, NULL);
-	pthread_cond_init(&s->changed, NULL);
+	pthread_cond_init(&s->given, NULL);
+	pthread_cond_init(&s->done, NULL);
 	if (!has_processors() || create(s) != 0)
 		return 0;
 	pthread_mutex_lock(&s->lock);
 	while (!s->started)
-		pthread_cond_wait(&s->changed, &s->lock);
+		pthread_cond_wait(&s->done, &s->lock);
 	pthread_mutex_unlock(&s->lock);
 	return s->refused ? -1 : 1;
 }

@@ -13,9 +13,9 @@ struct srv_second {
 	enum srv_sandbox_mode sandbox;
 	pthread_t thread;
 	pthread_mutex_t lock;
-	pthread_cond_t changed;
-	bool started, refused;   /* its sandbox closed, or did not and has to */
-	void (*work)(void *arg); /* NULL: none */
+	pthread_cond_t given, done; /* one waits at each: a signal is for nobody else */
+	bool started, refused;      /* its sandbox closed, or did not and has to */
+	void (*work)(void *arg);    /* NULL: none */
 	void *arg;
 };
 

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/random.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -304,7 +305,8 @@ static void work(struct worker *w)
 		answer(w, job, queue_ms);
 	} else {
 		api_job_free(job);
-		w->large_at = srv_now(); /* or so it may have been */
+		if (w->large_at == 0)
+			w->large_at = srv_now(); /* or so it may have been */
 	}
 }
 
@@ -325,6 +327,24 @@ static void say_done(struct worker *w)
 		give_back(w);
 }
 
+/*
+ * What is mapped apart is unmapped when it is freed, and is cold the next time.  In the heap large
+ * tables stay warm, but leave holes between them that count against the limit too: only where that
+ * is far away, so that no file fails for those before it.
+ */
+static void set_heap(const struct srv_config *config)
+{
+	enum { PLENTY = 100 }; /* bytes for each triangle: twice of what meshes of millions take */
+	struct rlimit most;
+
+	mallopt(M_ARENA_MAX, 1); /* what one thread frees serves the other */
+	if (getrlimit(RLIMIT_DATA, &most) == 0 && most.rlim_cur / PLENTY >= config->max_triangles)
+		mallopt(M_MMAP_MAX, 0);
+	else
+		mallopt(M_MMAP_THRESHOLD, 32 << 20); /* the largest there is */
+	mallopt(M_TRIM_THRESHOLD, -1);               /* only where give_back() says so */
+}
+
 void srv_worker_run(const struct srv_config *config, int sock, struct srv_desk *desk, bool large)
 {
 	struct worker w = {.config = config, .sock = sock, .file = -1, .desk = desk};
@@ -333,16 +353,14 @@ void srv_worker_run(const struct srv_config *config, int sock, struct srv_desk *
 	int seconds;
 
 	limit_sleep(sock);
-	mallopt(M_ARENA_MAX, 1); /* what one thread frees serves the other */
+	set_heap(config);
 	seconds = large ? srv_second_start(&second, config->sandbox) : 0;
 	if (seconds < 0 ||
 	    srv_sandbox_obey(config->sandbox, SRV_SANDBOX_WORKER, why, sizeof why) != 0)
 		_exit(7); /* the front said why and has not begun either */
 	w.second = seconds > 0 ? &second.lent : NULL;
 
-	mallopt(M_MMAP_MAX, 0);        /* what is mapped apart is unmapped when it is freed */
-	mallopt(M_TRIM_THRESHOLD, -1); /* only where rest() says so */
-	hear(&w);                      /* until then the desk may be the last worker's */
+	hear(&w); /* until then the desk may be the last worker's */
 	for (;;) {
 		w.segment = srv_desk_job(desk, w.done);
 		if (w.segment != NULL) {

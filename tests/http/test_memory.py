@@ -28,7 +28,7 @@ def test_limits_of_workers():
 
 
 def memory(pid, what):
-    """VmRSS or VmHWM, in bytes."""
+    """VmRSS, VmHWM or VmData, in bytes."""
     with open(f"/proc/{pid}/status", encoding="ascii") as f:
         return next(int(line.split()[1]) << 10 for line in f if line.startswith(what + ":"))
 
@@ -54,8 +54,23 @@ def test_a_large_job_leaves_no_large_worker(d):
     check("the same worker goes on", a.status == 200 and workers(d.pid)[0] == worker, a)
 
 
+def test_what_one_job_had_is_there_for_the_next():
+    """Holes in the heap count against the limit: with little memory large tables leave none."""
+    with Daemon("--workers", "1", "--memory", "1GB") as d:
+        worker = workers(d.pid)[0]
+        before = memory(worker, "VmData")
+        for copies in (300000, 400000):
+            a = d.post(bytes(80) + struct.pack("<I", 12 * copies) + FACETS * copies)
+            check("a large mesh is answered", a.status == 200, a)
+            check("it took memory", memory(worker, "VmHWM") > 12 * 12 * copies)
+            check("and none of its large tables is left",
+                  until(lambda: memory(worker, "VmData") < before + 80 * MEGABYTE, 1),
+                  memory(worker, "VmData"))
+
+
 with Daemon("--workers", "1") as daemon:
     test_a_large_job_leaves_no_large_worker(daemon)
 if not SANITIZED:  # their runtime needs more than any limit
     test_limits_of_workers()
+    test_what_one_job_had_is_there_for_the_next()
 finish()
