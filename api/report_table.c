@@ -57,8 +57,9 @@ static void put_label(struct table *t, const char *label)
 static void put_number(struct table *t, double x)
 {
 	char buf[API_NUMBER_SIZE];
+	size_t len = api_json_number_rounded(buf, x, DIGITS);
 
-	api_text_put(&t->out, buf, api_json_number_rounded(buf, x, DIGITS));
+	api_text_put(&t->out, buf, len);
 }
 
 /* Strings of the report are clean; a report from elsewhere need not be, and this goes to a
