@@ -29,6 +29,18 @@ static void wait_for_it(void *self)
 	pthread_mutex_unlock(&s->lock);
 }
 
+/* The lock is held whenever this returns. */
+static void serve(struct srv_second *s)
+{
+	while (s->work == NULL)
+		pthread_cond_wait(&s->given, &s->lock);
+	pthread_mutex_unlock(&s->lock);
+	s->work(s->arg);
+	pthread_mutex_lock(&s->lock);
+	s->work = NULL;
+	pthread_cond_signal(&s->done);
+}
+
 static void *run(void *self)
 {
 	struct srv_second *s = self;
@@ -39,15 +51,9 @@ static void *run(void *self)
 	s->refused = refused;
 	s->started = true;
 	pthread_cond_signal(&s->done);
-	while (!refused) {
-		while (s->work == NULL)
-			pthread_cond_wait(&s->given, &s->lock);
-		pthread_mutex_unlock(&s->lock);
-		s->work(s->arg);
-		pthread_mutex_lock(&s->lock);
-		s->work = NULL;
-		pthread_cond_signal(&s->done);
-	}
+	if (!refused)
+		for (;;)
+			serve(s);
 	pthread_mutex_unlock(&s->lock);
 	return NULL;
 }
