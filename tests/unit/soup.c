@@ -225,3 +225,16 @@ void found_boxes(const struct found *f, struct mp_box *box)
 		}
 	}
 }
+
+void soup_bipyramid(struct soup *s, unsigned n, double x)
+{
+	const double top[3] = {x, 0, 1}, bottom[3] = {x, 0, -1};
+
+	for (unsigned i = 0; i < n; i++) {
+		double u = 6.283185307179586 * i / n, v = 6.283185307179586 * ((i + 1) % n) / n;
+		const double p[3] = {x + cos(u), sin(u), 0}, q[3] = {x + cos(v), sin(v), 0};
+
+		soup_add(s, p, q, top);
+		soup_add(s, q, p, bottom);
+	}
+}

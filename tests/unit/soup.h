@@ -53,4 +53,8 @@ void found_free(struct found *);
 /* Of each body; every triangle must have edges. */
 void found_boxes(const struct found *, struct mp_box *);
 
+/* Two pyramids over the polygon of ${n} corners around (x, 0, 0): two vertices of ${n} triangles.
+ */
+void soup_bipyramid(struct soup *s, unsigned n, double x);
+
 #endif

@@ -170,20 +170,6 @@ static void large_meshes_are_looked_at_by_parts(void **unused)
 	}
 }
 
-/* Two pyramids over the polygon of ${n} corners: two vertices of ${n} triangles. */
-static void bipyramid(struct soup *s, unsigned n, double x)
-{
-	const double top[3] = {x, 0, 1}, bottom[3] = {x, 0, -1};
-
-	for (unsigned i = 0; i < n; i++) {
-		double u = 6.283185307179586 * i / n, v = 6.283185307179586 * ((i + 1) % n) / n;
-		const double p[3] = {x + cos(u), sin(u), 0}, q[3] = {x + cos(v), sin(v), 0};
-
-		soup_add(s, p, q, top);
-		soup_add(s, q, p, bottom);
-	}
-}
-
 static void good_meshes_take_the_short_way(void **unused)
 {
 	uint64_t state = 7;
@@ -213,14 +199,14 @@ static void vertices_of_many_triangles_are_rings(void **unused)
 	for (size_t i = 0; i < sizeof corners / sizeof *corners; i++) {
 		struct soup s = {0};
 
-		bipyramid(&s, corners[i], 0);
+		soup_bipyramid(&s, corners[i], 0);
 		assert_true(is_good(&s));
 		soup_shuffle(&s, &state);
 		assert_true(is_good(&s));
 		soup_drop(&s, soup_random(&state) % s.count);
 		assert_false(is_good(&s)); /* open */
 		soup_free(&s);
-		bipyramid(&s, corners[i], 0);
+		soup_bipyramid(&s, corners[i], 0);
 		soup_shuffle(&s, &state);
 		soup_flip(&s, soup_random(&state) % s.count);
 		assert_false(is_good(&s)); /* wound against the rest */
@@ -237,7 +223,7 @@ static void many_links_far_away_take_the_long_way(void **unused)
 	bool good = true;
 
 	(void)unused;
-	bipyramid(&s, 4000, 0);
+	soup_bipyramid(&s, 4000, 0);
 	assert_int_equal(soup_build(&s, 3, &b, NULL), 0);
 	assert_int_equal(mp_manifold_find(&b.mesh, &roomy, &t, &good), 0);
 	assert_false(good);
@@ -261,7 +247,7 @@ static void two_rings_at_a_vertex_are_not_one(void **unused)
 		struct soup s = {0}, one = {0};
 		const double shift[3] = {0, 0, 2};
 
-		bipyramid(&one, corners[i], 0);
+		soup_bipyramid(&one, corners[i], 0);
 		soup_copy(&s, &one, 1, (const double[3]){0, 0, 0});
 		soup_copy(&s, &one, 1, shift);
 		soup_shuffle(&s, &state);
@@ -330,7 +316,7 @@ static void a_failed_allocation_leaves_nothing(void **unused)
 	long total;
 
 	(void)unused;
-	bipyramid(&f.soup, 40, 0);
+	soup_bipyramid(&f.soup, 40, 0);
 	soup_cube(&f.soup, 20, 0, 0, 1);
 	assert_int_equal(soup_build(&f.soup, 1, &f.built, NULL), 0);
 	total = -alloc_count();

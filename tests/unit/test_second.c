@@ -171,27 +171,13 @@ static unsigned compare(const struct soup *s, const struct mp_manifold_room *roo
 
 /* ---- meshes ---- */
 
-/* Two pyramids over the polygon of ${n} corners: two vertices of ${n} triangles. */
-static void bipyramid(struct soup *s, unsigned n, double x)
-{
-	const double top[3] = {x, 0, 1}, bottom[3] = {x, 0, -1};
-
-	for (unsigned i = 0; i < n; i++) {
-		double u = 6.283185307179586 * i / n, v = 6.283185307179586 * ((i + 1) % n) / n;
-		const double p[3] = {x + cos(u), sin(u), 0}, q[3] = {x + cos(v), sin(v), 0};
-
-		soup_add(s, p, q, top);
-		soup_add(s, q, p, bottom);
-	}
-}
-
 /* Of several bodies, some of whose vertices have many triangles; ${hubs}: how many. */
 static void make(struct soup *s, unsigned n, unsigned hubs)
 {
 	soup_cube(s, 20, 0, 0, 1);
 	soup_torus(s, n, n, 5, 1);
 	if (hubs > 0)
-		bipyramid(s, hubs, 40);
+		soup_bipyramid(s, hubs, 40);
 	soup_torus(s, n / 2, n, 7, 1);
 	soup_tetrahedron(s, 60, 0, 0, 1);
 }
